@@ -32,11 +32,11 @@ const STEP: usize = if cfg!(miri) { 29 } else { 1 };
 /// Memory for test pictures. Where accesses beyond the named edge fault, a read outside of a picture is detected.
 #[derive(Debug)]
 pub struct Areas<'a> {
-    /// Pictures lie at its end, after which memory is inaccessible.
+    /// An area with pictures at its end, after which memory is inaccessible.
     pub end: &'a mut [u8],
-    /// A second area with pictures at its end.
+    /// A second area with pictures at its end, before inaccessible memory.
     pub other_end: &'a mut [u8],
-    /// Pictures lie at its start, before which memory is inaccessible.
+    /// An area with pictures at its start, before which memory is inaccessible.
     pub start: &'a mut [u8],
 }
 
@@ -81,7 +81,7 @@ impl Noise {
         ((self.bits() >> 7) % (2 * most + 1)).cast_signed() - most.cast_signed()
     }
 
-    /// A gray level less than `most` above `level`, modulo 256.
+    /// A gray level from `level` to `level + most - 1`, modulo 256.
     fn near(&mut self, level: u8, most: u8) -> u8 {
         level.wrapping_add((self.bits() >> 9) as u8 % most)
     }
@@ -189,7 +189,7 @@ pub(super) fn scores(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares the score with floors around it, and the distance with limits around it.
+/// Compares scores for floors, and distances for limits, below, at and above the exact value.
 fn pair(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16) {
     let table = cut(patch.height() % 3 + threshold, threshold);
     let scorer = Scorer::new(backend, &table);
@@ -362,7 +362,7 @@ pub(super) fn groups(backend: Backend, areas: &mut Areas<'_>) {
         let (left, last) = (width * 3 % 13, (width + which) % 3 > 0);
         let size = (left + width + 6, height + 5);
         let across = usize::from(size.0);
-        // Neighbouring pixels are similar.
+        // Noise in which neighbouring pixels are similar.
         for row in part_mut(areas.end, last, across * usize::from(size.1)).chunks_mut(across) {
             row.iter_mut().fold(100, |level, pixel| {
                 *pixel = noise.near(level, 15).wrapping_sub(7);
@@ -398,7 +398,7 @@ pub(super) fn groups(backend: Backend, areas: &mut Areas<'_>) {
     far_groups(backend, areas);
 }
 
-/// Checks that groups of dissimilar offsets are excluded, in every column.
+/// Checks that groups of offsets are excluded where all gray levels are far from the template's, in every column.
 fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
     let table = cut(2, 13);
     let scorer = Scorer::new(backend, &table);
@@ -455,7 +455,7 @@ pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares responses and gradients piece by piece. Weights and errors are noise, or the largest of a sign.
+/// Compares filter responses and gradients, piece by piece. Weights and errors are noise, or the largest of a sign.
 fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: usize, sign: Option<i16>) {
     let products = Products::new(backend);
     let mut noise = Noise(5);

@@ -13,7 +13,7 @@ pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 /// Number of entries. Without vectors, an index by the signed difference costs less than an absolute value.
 const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };
 
-/// Similarities by gray-level difference, 0 from a threshold on (step 2 of the method): no kernel needs a comparison.
+/// Similarity by gray-level difference, 0 from a threshold on (step 2 of the method): kernels need no comparison.
 ///
 /// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte, or one where
 /// [`Backend::Swar`](crate::similarity::Backend) is the fastest, and is recomputed when the threshold changes.

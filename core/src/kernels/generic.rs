@@ -139,10 +139,11 @@ macro_rules! intrinsics {
     };
 }
 
-/// Value of `WHOLE` for any number of whole vectors from one on. `END` is true if pixels follow the whole vectors.
+/// Value of the const parameter `WHOLE`, the number of whole vectors in a row, in a loop for any number of them but 0.
 pub(crate) const ANY: usize = usize::MAX;
 
-/// Evaluates `$call` with the constants `WHOLE` and `END` for rows of `$width` pixels: reason 7 at the top.
+/// Evaluates `$call` with constants for rows of `$width` pixels: `WHOLE` (whole vectors), `END` (if pixels follow
+/// them).
 macro_rules! by_width {
     ($width:expr, $vector:ty, $call:expr) => {{
         use $crate::kernels::generic::{ANY, Vector};
@@ -401,8 +402,8 @@ fn score<V: Vector>(even: &Sums<V>, odd: &Sums<V>) -> u32 {
     V::across(V::plus(V::plus(even.low, odd.low), V::times_256(V::plus(even.high, odd.high))))
 }
 
-/// Upper bound of a score: 65535 for each pixel inside its range (as [`widen`] encodes it). Counts the pixels outside,
-/// and returns `None` once they are too many for `floor`.
+/// Upper bound of a score: 65535 for each pixel inside its range (as [`widen`] encodes it). `None` once too many pixels
+/// are outside to reach `floor`.
 #[inline(always)]
 pub(crate) unsafe fn inside_at_least<V: Vector, const WHOLE: usize, const END: bool>(
     rows: &Rows,
@@ -467,8 +468,8 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// Bit mask of the offsets, of four neighbours, whose score may reach `floor`. Counts the pixels beyond the threshold
-/// at each offset. Vectors of the template are loaded and turned into ranges once for all four.
+/// Bit mask of four neighbouring offsets: set if the score may reach `floor`. Counts the pixels beyond the threshold at
+/// each offset. Vectors of the template are loaded and turned into ranges once for all four.
 ///
 /// # Safety
 /// The patch has three more columns than the template.
@@ -538,8 +539,8 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// The range of the pixels f within the threshold of `g`, encoded like [`widen`]: f is inside if the first result minus
-/// f is at most the second one, as signed numbers.
+/// The range of the pixels f within the threshold of `g`: f is inside if the first result minus f is at most the second
+/// result, as signed numbers.
 #[inline(always)]
 fn around<V: Neighbours>(g: V, last: V) -> (V, V) {
     let highest = V::minus(V::raised(g, last), half(g));
@@ -692,7 +693,7 @@ fn widen<V: Neighbours>(low: V, high: V, last: V) -> (V, V) {
     (low_less_half, V::minus(V::raised(high, last), low_less_half))
 }
 
-/// Converts all ranges of a row like [`widen`].
+/// Applies [`widen`] to all ranges of a row.
 #[inline(always)]
 pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
     for (low, high) in low.iter_mut().zip(high) {
@@ -753,7 +754,7 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
     }
 }
 
-/// The lowest and the highest of four neighbouring pixels, from each pixel on.
+/// For each pixel of a vector: the lowest and the highest of it and the next three pixels.
 ///
 /// # Safety
 /// A vector and three more pixels can be read at `row`.

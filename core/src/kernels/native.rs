@@ -15,7 +15,7 @@ pub(crate) struct Interpolation<const N: usize> {
 }
 
 impl<const N: usize> Interpolation<N> {
-    /// Left samples have indices below this.
+    /// Number of positions for a left sample in a row.
     pub(crate) const PLACES: usize = PLACES as usize;
 
     #[inline(always)]
@@ -100,7 +100,7 @@ pub(crate) struct ScaledSums<'a> {
 }
 
 impl<'a> ScaledSums<'a> {
-    /// The values of `sums` without weights. They may be -2^31.
+    /// `sums` as the values, without weights. They may include -2^31.
     pub(crate) fn of(sums: &'a [i32]) -> Self {
         Self { weights: sums, factor: 0, sums, left: 0 }
     }

@@ -36,7 +36,7 @@ impl Products {
         }
     }
 
-    /// True if a piece of work is two rows of cells. Else it is a row of offsets.
+    /// True if pieces of work are pairs of rows of cells, false if they are rows of offsets.
     fn takes_rows_of_cells(self) -> bool {
         by_backend!(self.0, set => set::products::TAKES_ROWS_OF_CELLS)
     }
@@ -77,7 +77,8 @@ impl Products {
     }
 
     /// Adds the gradient of the filter's error, as [`plain::gather`](super::plain::products::gather) specifies. Pieces
-    /// and memory: see [`Products::responses`]. `spare` should be as long as the cells of the filter and seven more.
+    /// and memory: see [`Products::responses`]. For full speed `spare` has seven more elements than the filter has
+    /// cells.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn gather<const N: usize>(

@@ -114,7 +114,7 @@ impl<'a> Scorer<'a> {
     pub(crate) const BOUNDS_FOUR: bool =
         cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "arm")) || Self::RANGES_OF_ROWS;
 
-    /// Bit mask of the offsets whose score may reach `floor`, among the `wanted` of four neighbours; see
+    /// Bit mask of four neighbouring offsets: the bits of `wanted` whose score may reach `floor`; see
     /// [`Scores::candidates`]. Returns `wanted` if the template is too large or the patch too small.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
@@ -125,8 +125,9 @@ impl<'a> Scorer<'a> {
         by_backend!(&self.ready, Ready(kernels) => kernels.candidates(patch, template, floor, wanted))
     }
 
-    /// Computes pixel ranges of 4x4 blocks for [`Scorer::bound`], as the backend encodes them. `low` and `high` begin
-    /// and end at multiples of four bytes. The rows have three more pixels than there are blocks.
+    /// Computes the lowest and the highest pixel of 4x4 blocks for [`Scorer::bound`], as the backend encodes them.
+    /// `low` and `high` begin and end at multiples of four bytes. The rows have three more pixels than there are
+    /// blocks.
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         debug_assert!(low.len() == high.len() && low.len().is_multiple_of(4));

@@ -73,7 +73,8 @@ fn further<const BY: i32>(bytes: v128) -> v128 {
 
 const SEGMENT: usize = 16;
 
-/// Value of `SEGMENTS` for two or more. They share a loop, because separate loops would make the module a third larger.
+/// Value of `SEGMENTS` for any number above one. They share a loop: separate loops would make the module a third
+/// larger.
 const MANY: usize = 16;
 
 pub(crate) type Lookup = generic::Lookup<v128, SEGMENT, MANY>;

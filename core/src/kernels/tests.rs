@@ -7,8 +7,8 @@ use super::scorer::Scorer;
 use crate::image::Image;
 use memory::Guarded;
 
-/// Three memory areas with inaccessible pages before and after each. Elsewhere, and under Miri, which checks every
-/// access itself, plain allocations.
+/// Three memory areas with inaccessible pages before and after each; plain allocations on other systems, and under
+/// Miri, which checks every access itself.
 #[cfg(all(unix, not(miri)))]
 mod memory {
     use crate::kernels::check::{Areas, ROOM};
@@ -98,7 +98,7 @@ fn a_root_is_rounded_down() {
 #[test]
 fn means_are_exact() {
     for cells in 1..=9 {
-        // All remainders with all ten bits that may follow, and large energies.
+        // All remainders followed by all values of ten bits, and large energies.
         let large = (0..30).flat_map(|places| [(1 << places) - 1, (1 << places) + cells / 2, (cells << 26) - 1]);
         for energy in (0..cells << 10).chain(large) {
             assert_eq!(mean_by_parts(energy, cells), energy / cells, "{energy} / {cells}");

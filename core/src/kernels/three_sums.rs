@@ -22,14 +22,14 @@ use core::ops::Range;
 pub(crate) const SUMS: usize = 3;
 pub(crate) const BOTH: usize = 1;
 
-/// Sizes for partial sums, which take the rows of a filter and of offsets in pairs.
+/// Sizes of the three partial sums, which process filter rows and offsets in pairs.
 #[derive(Clone, Copy)]
 pub(crate) struct Pairs {
     down: usize,
     span: usize,
 }
 
-/// A backend's products of rows of cells with rows of filter factors.
+/// Implemented by a backend: multiplies rows of cells by rows of filter factors.
 pub(crate) trait Rows {
     /// Selects the cells to multiply: row `first`, minus row `second` if there is one.
     fn take(&mut self, first: usize, second: Option<usize>);
@@ -69,18 +69,18 @@ impl Pairs {
         self.offsets_of(BOTH)
     }
 
-    /// Number of rows of factors of partial sum `sum` (0 to 2).
+    /// Number of rows of factors of a partial sum: 0 `upper`, 1 `both`, 2 `lower`.
     #[allow(dead_code)] // for backends that go sum by sum
     pub(crate) fn rows_of(self, sum: usize) -> usize {
         half(self.down, sum)
     }
 
-    /// Number of vertical offsets of partial sum `sum` (0 to 2).
+    /// Number of vertical offsets of a partial sum: 0 `upper`, 1 `both`, 2 `lower`.
     pub(crate) fn offsets_of(self, sum: usize) -> usize {
         half(self.span, sum)
     }
 
-    /// Computes the filter responses for some parts (two rows of cells each), with `both` unchanged in between.
+    /// Computes the filter responses for some parts (two rows of cells each). `both` must persist between calls.
     #[inline(always)]
     pub(crate) fn responses<const N: usize>(
         self,

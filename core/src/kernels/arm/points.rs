@@ -8,7 +8,7 @@ use crate::kernels::cut_table::ONE;
 use crate::kernels::rows::Rows;
 use crate::kernels::unrolling::rolled;
 
-/// Constants that bound scores by points, computed for a table and its threshold.
+/// Constants that bound a score by its points (the sum of 255 - difference), for a table and its threshold.
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
     /// The largest difference below the threshold.
@@ -41,8 +41,8 @@ impl Points {
         }
     }
 
-    /// The fewest points of an offset that scores at least `floor` with `pixels` pixels; 0 if the bound is disabled. It
-    /// is the larger of two bounds, the second one tight where most pixels are similar:
+    /// The fewest points (sum of 255 - difference) with which `pixels` pixels can score `floor`; 0 if the bound is
+    /// disabled. The larger of two bounds, the second one tight where most pixels are similar:
     ///
     /// - A score of `floor` needs at least `floor` * `rate` / 2^24 points.
     /// - A pixel loses at least `chord` of its score for each point that it lacks. A pixel beyond the threshold lacks

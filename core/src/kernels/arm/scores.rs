@@ -24,8 +24,8 @@ pub(crate) trait Loops {
     /// (rows, allowed): the number of template pixels outside their ranges. It may stop once that exceeds `allowed`.
     /// The patch holds the lower ends of the ranges, its upper bound the lengths; both have the same stride.
     const MISSES: unsafe fn(&Rows, u32) -> u32;
-    /// (rows, points, needed, wanted): spare points of four offsets ([`Points::spare`]). A result is negative only if
-    /// its offset has fewer points than needed or is not wanted. The patch has three more columns than the template.
+    /// (rows, constants, needed, wanted): the points (`points.rs`) of four offsets minus `needed`. Negative only if an
+    /// offset has fewer points or is not wanted. The patch has three more columns than the template.
     const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS];
     /// (rows, margin, low, lengths): computes the lower ends and the lengths of the ranges of 4x4 blocks, widened by a
     /// margin on both sides. Does nothing if there are fewer blocks than `NARROWEST`.
@@ -35,7 +35,7 @@ pub(crate) trait Loops {
 /// The score kernels by the loops `L`, with a similarity table.
 pub(crate) struct Kernels<'a, L> {
     plain: Plain<'a>,
-    /// Decides how often `candidates` computes points.
+    /// Decides how often `candidates` computes its bound.
     points: Effort,
     loops: PhantomData<L>,
 }

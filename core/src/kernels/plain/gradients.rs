@@ -34,7 +34,7 @@ impl Sectors {
         let [whole, mirrored] = &mut self.0;
         let sectors = if x * y < 0 { mirrored } else { whole };
         let (right, up) = (x.abs(), y.abs());
-        // The angle of (|x|, |y|) is always beyond 0 degrees and never beyond 100.
+        // (|x|, |y|) is at 0 to 90 degrees: always beyond direction 0, and never beyond direction 5, 100 degrees.
         let beyond = |(cos, sin): (i32, i32)| cos * up >= sin * right;
         let [_, one, two, three, four, _] = DIRECTIONS;
         let number = if !beyond(two) {
@@ -85,7 +85,7 @@ fn distance(sum: u32, (cos, sin): (i32, i32)) -> i32 {
     cos * (sum & 0xFFFF).cast_signed() - sin * (sum >> 16).cast_signed()
 }
 
-/// The channel sums of a cell. Its left border is column `at` of the lines.
+/// The channel sums of a cell (votes and gray levels), whose left neighbour is column `at`.
 #[inline(always)]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
     sectors(lines, at).sums(gray(lines, at))
@@ -102,7 +102,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     by_cells(lines, sums, energies, across, cell);
 }
 
-/// [`gradients`] by a function for the channel sums of one cell.
+/// [`gradients`] with a given function for the channel sums of one cell.
 #[inline(always)]
 pub(crate) fn by_cells<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -195,7 +195,7 @@ fn mean(energy: u32, cells: u32) -> u32 {
 
 /// `energy / cells` for up to nine cells and an energy below 2^30, ten bits at a time.
 pub(crate) fn mean_by_parts(energy: u32, cells: u32) -> u32 {
-    // 2^16 / cells, rounded up. Exact as a divisor of ten bits after a remainder: product >> 16.
+    // 2^16 / cells, rounded up. A remainder and ten bits, times this and shifted right by 16, are the exact quotient.
     const INVERSES: [u32; 10] = [0, 65_536, 32_768, 21_846, 16_384, 13_108, 10_923, 9363, 8192, 7282];
     let inverse = usize::try_from(cells).ok().and_then(|cells| INVERSES.get(cells)).copied().unwrap_or(0);
     let (mut rest, mut mean) = (0, 0);
@@ -223,15 +223,14 @@ pub(crate) fn root(number: u32) -> u32 {
     root
 }
 
-/// The square root, rounded down, of a number below 2^32 - 2^17, by two Newton steps: faster than `isqrt` with
-/// division.
+/// The square root, rounded down, of a number below 2^32 - 2^17, by two Newton steps: faster than `isqrt` where
+/// division is an instruction.
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
 #[cfg_attr(all(smr_small, not(smr_helium)), inline(never))]
 pub(crate) fn root(number: u32) -> u32 {
     let places = (number | 1).leading_zeros() & !1;
     let scaled = (number | 1) << places;
-    // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the error, and is never too
-    // small.
+    // The guess is within 6 % for numbers from 2^30 on. A Newton step halves the squared error; no result is too small.
     let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
     root = (root + scaled / root) / 2;
     root = (root + scaled / root) / 2;

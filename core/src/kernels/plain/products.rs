@@ -67,12 +67,12 @@ pub(crate) fn gather_inline<const N: usize>(
     }
 }
 
-/// False: a piece of work is a row of offsets, not two rows of cells.
+/// False: pieces of work are rows of offsets, not pairs of rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = false;
 /// Number of pieces of work of [`gather`]; `None` if it has those of [`responses`].
 pub(crate) const GATHER_PIECES: Option<usize> = None;
 
-/// One copy of [`responses_inline`], to save flash. Other backends use the scratch memory.
+/// [`responses_inline`] as one copy, which saves flash. The unnamed scratch memory serves other backends.
 #[inline(never)]
 pub(crate) fn responses<const N: usize>(
     pieces: Range<usize>,

@@ -24,7 +24,7 @@ const STEP: usize = CHANNELS;
 /// Added to a stored number, so that it is not negative on Armv6-M.
 const MIDDLE: i32 = if cfg!(all(smr_swar, target_arch = "arm")) { 256 } else { 0 };
 
-/// Filter responses, as [`plain::responses`] specifies. A piece of work is two rows of cells.
+/// Computes filter responses, as [`plain::responses`] specifies. Pieces of work are pairs of rows of cells.
 pub(crate) fn responses<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
@@ -69,7 +69,7 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(pieces, &mut rows, both, out);
 }
 
-/// Rows of cells, or differences of two rows, by channel. `Layout::fits` has checked that all rows exist.
+/// A row of cells, or the difference of two rows, stored channel by channel. `Layout::fits` has checked all rows.
 struct Differences<'a> {
     cells: *const i8,
     stride: usize,
@@ -78,7 +78,7 @@ struct Differences<'a> {
     factors: *const i16,
     /// The sum of the factors of each row.
     totals: &'a [i32],
-    /// Cells in a row of factors.
+    /// Width of the filter in cells.
     across: usize,
 }
 
@@ -140,7 +140,7 @@ fn numbers_in(words: &mut [i32]) -> &mut [i16] {
     unsafe { words.align_to_mut().1 }
 }
 
-/// Adds the gradient, as [`plain::gather`] specifies. A piece of work is a channel.
+/// Adds the gradient of the filter's error, as [`plain::gather`] specifies. Pieces of work are channels.
 pub(crate) fn gather<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
@@ -195,7 +195,7 @@ pub(crate) fn gather<const N: usize>(
                 rolled(of_row.iter_mut()).for_each(|sum| *sum = 0);
                 // SAFETY: the rows of errors lie on as many rows of numbers.
                 unsafe { slide.add(total, of_row) };
-                // A sum `both` belongs to two rows of the filter, `upper` and `lower` to one each.
+                // Partial sum `both` belongs to two rows of the filter, `upper` and `lower` to one each.
                 let first = 2 * at + sum_of / 2;
                 for at in first..first + 1 + usize::from(sum_of == BOTH) {
                     let of_cells = of_cells.get_mut(at * across..).unwrap_or_default();
@@ -239,12 +239,12 @@ impl Slide<i16> {
     }
 }
 
-/// Defines a function for n neighbouring sums on Armv6-M. The registers r4 to r12 hold them, and r3 a product.
+/// Defines a function that adds products to n neighbouring sums. On Armv6-M, r4 to r12 hold the sums, r3 a product.
 #[cfg(all(smr_swar, target_arch = "arm"))]
 macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
         impl Slide<i16> {
-            /// Adds to n sums, and returns n.
+            /// Adds the products to n sums, and returns n.
             ///
             /// # Safety
             /// As [`Slide::add`], for n sums.
@@ -299,12 +299,12 @@ macro_rules! slide {
     };
 }
 
-/// Defines a function for n neighbouring sums. Each number is loaded once for up to four factors.
+/// Defines a function that adds products to n neighbouring sums. Each number is loaded once for up to four factors.
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
 macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
         impl Slide<i16> {
-            /// Adds to n sums, and returns n.
+            /// Adds the products to n sums, and returns n.
             ///
             /// # Safety
             /// As [`Slide::add`], for n sums.

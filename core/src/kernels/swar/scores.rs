@@ -37,7 +37,7 @@ const MOST_WORDS: usize = 255;
 
 pub(crate) struct Swar<'a> {
     plain: Plain<'a>,
-    /// Half the threshold in each byte. Upper seven bits this far outside a range are beyond the threshold.
+    /// Half the threshold, in each byte. It is compared with the upper seven bits of differences.
     threshold: u32,
     #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
     fours: Effort,
@@ -172,7 +172,7 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
             column([c, d, a, b], g.add(2));
             c = entries(f.add(3));
             column([d, a, b, c], g.add(3));
-            // The last three pixels are the first ones of the next round.
+            // The last three pixels are the first three of the next iteration.
             (f, g) = (f.add(OFFSETS), g.add(OFFSETS));
         }
         for _ in rolled(0..width % OFFSETS) {
@@ -192,8 +192,8 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
 #[cfg(target_arch = "arm")]
 #[inline(never)]
 unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
-    /// Adds the table entries of four frame pixels and template pixel `$at`. `$a` to `$d` are twice the gray levels,
-    /// `$d` new.
+    /// Adds the similarities of four frame pixels and template pixel `$at`. The registers `$a` to `$d` hold twice the
+    /// gray levels of the frame; `$d` is loaded here.
     macro_rules! column {
         ($at:literal $a:literal $b:literal $c:literal $d:literal) => {
             concat!(
@@ -316,13 +316,13 @@ fn widened_ranges(rows: &[&[u8]; 4], threshold: u32, low: &mut [u8], high: &mut 
 /// Sliding minimum over four neighbouring columns, one word of columns at a time.
 #[derive(Default)]
 struct Minima {
-    /// The last word of columns, and the minima of each two columns of the word before that.
+    /// The previous word of columns, and the minima of column pairs in the word before it.
     columns: u32,
     pairs: u32,
 }
 
 impl Minima {
-    /// Words by which the result of [`Minima::next`] begins before its argument.
+    /// The result of [`Minima::next`] lags this many words behind its argument.
     const DELAY: usize = 2;
 
     #[inline(always)]
@@ -471,13 +471,13 @@ struct Row {
     high: *const u32,
     /// Words in the row, at least one.
     count: usize,
-    /// Masks of the top bits of the template's pixels in the first word and in the last.
+    /// Masks (top bits) of the template's pixels in the first word and in the last word of the row.
     first: u32,
     last: u32,
 }
 
 impl Row {
-    /// Counts the pixels outside their ranges. With `SHIFTED` the template begins `shift` bits after `g`.
+    /// Counts the template pixels of a row outside their ranges. With `SHIFTED` the row begins `shift` bits after `g`.
     ///
     /// # Safety
     /// The words of the row can be read at `g`, with `SHIFTED` one more.

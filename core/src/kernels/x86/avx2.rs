@@ -53,7 +53,7 @@ impl Neighbours for __m256i {
         fn min(a: Self, b: Self) -> Self { _mm256_min_epu8(a, b) }
         fn max(a: Self, b: Self) -> Self { _mm256_max_epu8(a, b) }
         fn raised(a: Self, b: Self) -> Self { _mm256_adds_epu8(a, b) }
-        // 0x81 moves the upper half of the vector down and zeroes it.
+        // 0x81 copies the upper half to the lower half and zeroes the upper half.
         fn further<const BY: i32>(bytes: Self) -> Self {
             _mm256_alignr_epi8::<BY>(_mm256_permute2x128_si256::<0x81>(bytes, bytes), bytes)
         }
@@ -69,7 +69,7 @@ impl Shuffle for __m256i {
     }
 }
 
-/// Loads a row of up to 31 pixels into the lanes of [`narrow_lanes`].
+/// Loads a row of up to 31 pixels into the lanes that the mask [`narrow_lanes`] marks.
 ///
 /// # Safety
 /// The processor has AVX2.

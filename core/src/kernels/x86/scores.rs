@@ -136,8 +136,7 @@ pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::is_above(V::load(lanes.as_ptr()), V::splat(31 - new)) }
 }
 
-/// What [`narrow_lanes`] compares: 127 in `first` lanes (always valid), `second` numbers up to 31, then 0 (never
-/// valid).
+/// Operand of [`narrow_lanes`]: 127 in `first` lanes (always valid), `second` numbers up to 31, then 0 (never valid).
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];
@@ -149,7 +148,7 @@ const fn lanes(first: usize, second: usize) -> [u8; 32] {
     lanes
 }
 
-/// Loads a row of up to 15 pixels into the lanes of [`narrow_lanes`].
+/// Loads a row of up to 15 pixels into the lanes that the mask [`narrow_lanes`] marks.
 #[inline(always)]
 pub(super) fn narrow(row: &[u8]) -> __m128i {
     // SAFETY: every x86-64 has SSE2.

@@ -28,7 +28,7 @@ use core::arch::asm;
 struct Memory {
     row: Row,
     words: usize,
-    /// In [`spare`] the points of a row of equal pixels, in [`misses`] the result of [`entry`].
+    /// Points of a row of equal pixels (in [`spare`]), or the result of [`entry`] (in [`misses`]).
     own: usize,
 }
 
@@ -48,7 +48,7 @@ macro_rules! points {
     };
 }
 
-/// Adds the points of the next four columns at four neighbouring offsets.
+/// Adds the points (255 - difference) of the next four columns at four neighbouring offsets.
 macro_rules! points_of_word {
     () => {
         concat!(
@@ -65,7 +65,7 @@ macro_rules! points_of_word {
 /// The template has at least four columns, the patch as many and three more.
 #[inline(never)]
 pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
-    // Here a mask, not a number of bits: 255 in bytes of the last word whose columns already have their points.
+    // Here `none` is a mask, not a number of bits: 255 in the bytes of the last word that have been counted before.
     let mut row = Row::of(pair);
     row.none = u32::MAX >> (8 * (pair.width % LANES));
     let memory = Memory { row, words: words(pair), own: Points::of_row(pair) as usize };

@@ -151,7 +151,7 @@ impl Run {
                 "cmp r11, lr",
                 "bne 2b",
                 "b 6f",
-                // Two patches: eight inputs a round. With an odd number of fours, the first round starts in its middle.
+                // Two patches, eight inputs an iteration. An odd multiple of four inputs enters in its middle.
                 "3:",
                 "lsls r4, r12, #29",
                 "bmi 5f",

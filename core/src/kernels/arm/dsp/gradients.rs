@@ -112,8 +112,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     across: usize,
 ) {
     const { assert!(COLUMNS >= 4 * ROW + 2 && COLUMNS < 256 && 2 * ROW < 256) };
-    // Words 0 to 4: the sectors. Word 5: the end address of the pixels. Words 32 to 36: the mirrored sectors, 128 bytes
-    // further on, because the top bit of a byte, 128, marks a mirrored gradient.
+    // Words 0 to 4: the sectors. Word 5: the end address of the pixels. Words 32 to 36: the mirrored sectors, at byte
+    // 128, so that the top bit of a byte, set for mirrored gradients, is their offset.
     let mut memory = MaybeUninit::<[u32; 37]>::uninit();
     let mut pixels = lines.as_ptr().cast::<u8>().wrapping_add(COLUMNS);
     let mut to = sums.as_mut_ptr().cast::<u16>().wrapping_add(ROW);

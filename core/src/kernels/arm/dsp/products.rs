@@ -24,7 +24,7 @@ const LEAST: usize = 4;
 const PAIRS: usize = STEP / 2;
 const WORD: usize = size_of::<i32>();
 
-/// Filter responses, as [`plain::responses`] specifies. A piece of work is two rows of cells.
+/// Computes filter responses, as [`plain::responses`] specifies. Pieces of work are pairs of rows of cells.
 pub(crate) fn responses<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
@@ -58,7 +58,7 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(pieces, &mut rows, both, out);
 }
 
-/// Rows of cells, unpacked, under rows of factors. `Layout::fits` has checked that all rows exist.
+/// A row of cells, unpacked, and rows of factors that multiply it. `Layout::fits` has checked all rows.
 struct Unpacked {
     cells: *const i8,
     stride: usize,
@@ -227,7 +227,8 @@ unsafe fn pairs_of_rows(to: *mut i32, width: usize, first: [*const i8; 2], secon
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
 pub(crate) const GATHER_PIECES: Option<usize> = Some(SUMS * STEP);
 
-/// Adds the gradient, as [`plain::gather`] specifies. A piece of work is a channel of one of the three sums.
+/// Adds the gradient of the filter's error, as [`plain::gather`] specifies. A piece of work is a channel of a partial
+/// sum.
 ///
 /// An error is at most 16,383, and two of them add up to at most 32,766, which fits in 16 bits. A difference of two
 /// features takes 9 bits. Each of the three sums is at most 17 * 9 * 32,766 * 128 < 2^30.
@@ -273,7 +274,8 @@ pub(crate) fn gather<const N: usize>(
                 }
             }
         }
-        // A row below the last is replaced by the last. That cancels out: `both` adds it, another sum subtracts it.
+        // A row below the last is replaced by the last, which cancels out: `both` adds it, the other partial sum
+        // subtracts it.
         let channel_of = |row: usize| cells.as_ptr().wrapping_add(row.min(down + span - 2) * stride + channel);
         for number in 0..(rows + offsets) / 2 {
             let of = |row| channel_of(4 * number + row);
@@ -325,20 +327,20 @@ impl Slide<i32> {
     }
 }
 
-/// Multiplies pairs: adds the two products of each number and factor to a sum.
+/// Adds to each sum the two products of a pair of numbers and a pair of factors.
 macro_rules! add {
     ($($sum:literal $number:literal $factor:literal,)*) => {
         concat!($("smlad ", $sum, ", ", $number, ", ", $factor, ", ", $sum, "\n",)*)
     };
 }
 
-/// Defines a function for n neighbouring sums. The loop over a row processes four factors at a time, and decrements its
-/// counter after its first load, where a product would wait. One to three factors left over come first; then the
-/// numbers are loaded again.
+/// Defines a function that adds products to n neighbouring sums. The loop over a row processes four factors at a time,
+/// and decrements its counter after its first load, where a product would wait. One to three factors left over come
+/// first; then the numbers are loaded again.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {
-            /// Adds to n sums, and returns n.
+            /// Adds the products to n sums, and returns n.
             ///
             /// # Safety
             /// As [`Slide::add`], for n sums.

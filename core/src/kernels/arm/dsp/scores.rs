@@ -31,7 +31,7 @@ impl Loops for Dsp {
 }
 
 /// Computes the lower ends and the lengths of the ranges of 4x4 blocks, widened by `margin` on both sides. Does nothing
-/// for fewer than four blocks, which no bound reads: templates of fewer than four columns have none.
+/// for fewer than four blocks, because templates of fewer than four columns have no bound.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let blocks = blocks(rows, low, span);
     if blocks < LANES {
@@ -241,7 +241,7 @@ macro_rules! of_four_rows {
     };
 }
 
-/// The smallest or the largest of four neighbouring columns, from each of four columns on. `$next` holds the next four.
+/// The smallest or the largest pixel of each of four columns and the next three. `$next` holds the next four columns.
 macro_rules! of_four_columns {
     ($what:ident, $first:literal, $next:literal) => {
         concat!(
@@ -264,7 +264,7 @@ struct Spread {
     rows: [*const u8; 4],
     /// Margin on both sides of each range, in each lane.
     margin: u32,
-    /// The first of the last four blocks.
+    /// Index of the first of the last four blocks.
     last: usize,
 }
 

@@ -11,7 +11,7 @@ pub(super) fn in_lanes(byte: u8) -> u32 {
 /// Constants that each loop over rows reads from memory. The assembly depends on their offsets.
 #[repr(C)]
 pub(super) struct Row {
-    /// Bytes from the end of the whole words of a row to the next row.
+    /// Bytes from the end of the whole words of a row to the next row, in the patch and in the template.
     f_stride: usize,
     g_stride: usize,
     /// Offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
@@ -43,8 +43,8 @@ pub(super) fn words(pair: &Rows) -> usize {
     pair.width - pair.width % LANES
 }
 
-/// Code offset where the loop over a row is entered: the first round has 1 to 4 words of `bytes` bytes of code, others
-/// 4.
+/// Byte offset at which the loop over a row, unrolled to four words, is entered: the first round may have fewer words.
+/// `bytes` is the code size of a word.
 #[inline(always)]
 pub(super) fn entry(pair: &Rows, bytes: usize) -> usize {
     (pair.width / LANES).wrapping_neg() % 4 * bytes

@@ -16,7 +16,7 @@ static TABLES: Tables = Tables(
     [
         // For each pixel in a row of four cells, the index of sector 0 of its cell in `Memory::sectors`.
         [20, 20, 20, 20, 21, 21, 21, 21, 22, 22, 22, 22, 23, 23, 23, 23],
-        // Factors of |y| for the directions 1, 3 and 4.
+        // Factors of |y| in the comparisons with the directions 1, 3 and 4.
         [191; 16],
         [79; 16],
         [105; 16],

@@ -37,7 +37,7 @@ pub(crate) fn responses<const N: usize>(
         let from = cells.as_ptr().wrapping_add(y * stride);
         let mut x = 0;
         while x < span {
-            // As few blocks as possible, of similar size. The last block may overlap the one before it.
+            // As few blocks of offsets as possible, of similar size. The last block may overlap the one before it.
             let width = match span - x {
                 0..=3 => 3,
                 4 | 5 | 8..=10 | 15 => 5,
@@ -63,7 +63,7 @@ pub(crate) fn responses<const N: usize>(
 #[repr(C)]
 struct Rows {
     width: usize,
-    /// Bytes from the end of the loop over a row to the next row.
+    /// Bytes from the end of the loop over a row to the next row, of cells and of weights.
     cells: usize,
     weights: usize,
 }
@@ -289,7 +289,8 @@ impl Rows {
 pub(crate) use plain::TAKES_ROWS_OF_CELLS;
 pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 
-/// Adds the gradient, as [`plain::gather`] specifies. A piece of work is a channel, with its sums in `spare`.
+/// Adds the gradient of the filter's error, as [`plain::gather`] specifies. A piece of work is a channel (sums in
+/// `spare`).
 pub(crate) fn gather<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
@@ -312,7 +313,7 @@ pub(crate) fn gather<const N: usize>(
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
-    // Six or seven sums, whichever takes fewer instructions: a block of seven costs 9/8 of a block of six.
+    // Computes six or seven sums at a time, whichever is faster: a block of seven costs 9/8 of a block of six.
     let across = row / STEP;
     let block = if 9 * across.div_ceil(MOST) <= 8 * across.div_ceil(6) { MOST } else { 6 };
     for channel in pieces.start..pieces.end.min(STEP) {
