@@ -87,7 +87,7 @@ impl Noise {
     }
 }
 
-/// Fills the areas with noise, similar at the same index, so that differences lie on both sides of any threshold.
+/// Fills the areas with noise. Bytes at the same index are similar, for differences on both sides of a threshold.
 fn fill(areas: &mut Areas<'_>) {
     let mut noise = Noise(1);
     for ((first, second), third) in areas.end.iter_mut().zip(&mut *areas.other_end).zip(&mut *areas.start) {
@@ -577,7 +577,7 @@ fn weights() {
     }
 }
 
-/// Compares the largest absolute value, and the quantised values for every shift that fits.
+/// Compares the largest absolute value, and the quantised values for every shift with which they fit in 16 bits.
 fn scaled(numbers: ScaledSums<'_>) {
     let ScaledSums { weights, factor, sums, left } = numbers;
     let number = |factor, (&weight, &sum): (&i32, &i32)| {

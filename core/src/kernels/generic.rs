@@ -198,7 +198,7 @@ impl<V, const SEGMENT: usize, const SEGMENTS: usize> Lookup<V, SEGMENT, SEGMENTS
 }
 
 /// Implements `Scores` for a [`Lookup`]. Each listed number of segments gets a loop of its own, which also serves
-/// smaller numbers. Ranges use the first of the two vectors that fits in a row.
+/// smaller numbers. Ranges use the first listed vector that fits in a row.
 macro_rules! scores {
     (
         $backend:ty, $planes:ident, $vector:ty $(, or $shorter:ty)?, $features:literal,
@@ -345,7 +345,7 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
     // SAFETY: y is below the height, and `end` is made for the width.
     unsafe {
         let end = L::Vector::end::<WHOLE>(rows.width);
-        // Two sets of totals: reason 3 at the top of this file.
+        // Two sets of totals, so that the additions of a row need not wait for those of the row before.
         let nothing = L::Vector::nothing();
         let mut even = Sums::<L::Vector> { low: nothing, high: nothing };
         let mut odd = Sums { low: nothing, high: nothing };
@@ -662,7 +662,7 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
             // The last three lanes are incomplete. The next round computes them again.
             at += V::LANES - 3;
         }
-        // Overlaps the vector before it, with the same values. Loads each row four times: no vector fits to its right.
+        // The last vector overlaps the one before it. It loads each row four times: no vector fits to its right.
         let (mut lowest, mut highest) = (V::splat(u8::MAX), V::splat(0));
         for column in 0..4 {
             let ranges = column_ranges::<V>(&rows, last + column);
@@ -683,10 +683,9 @@ pub(crate) fn half<V: Vector>(_: V) -> V {
     unsafe { V::splat(HALF) }
 }
 
-/// Widens ranges by `last` and encodes them for [`inside_at_least`]. A pixel g is inside if low - last <= g <= high +
-/// last, that is, if g - (low - last), modulo 256, is at most (high + last) - (low - last). Vectors compare signed
-/// numbers, so both sides are stored with [`HALF`] added (modulo 256 the same as subtracted): the first result is low -
-/// last - HALF, the second one high + last minus the first.
+/// Widens ranges by `last` and encodes them for [`inside_at_least`]: g is inside if low - last <= g <= high + last,
+/// that is, if g - (low - last), modulo 256, is at most (high + last) - (low - last). Vectors compare signed numbers,
+/// so both sides have [`HALF`] subtracted: the results are low - last - HALF, and high + last minus that.
 #[inline(always)]
 fn widen<V: Neighbours>(low: V, high: V, last: V) -> (V, V) {
     let low_less_half = V::minus(V::beyond(low, last), half(low));

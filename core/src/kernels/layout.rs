@@ -98,7 +98,7 @@ mod tests {
         assert_eq!(layout.fits(16 * CHANNELS, 4 * CHANNELS), Some(2));
         assert_eq!(layout.fits(16 * CHANNELS - 1, 4 * CHANNELS), None);
         assert_eq!(layout.fits(16 * CHANNELS, 4 * CHANNELS - 1), None);
-        // With wrapping arithmetic these would seem to fit.
+        // With wrapping arithmetic these layouts would seem to fit.
         for huge in [Layout { stride: usize::MAX / 4 + 1, ..layout }, Layout { span: usize::MAX, ..layout }] {
             assert_eq!(huge.fits(16 * CHANNELS, 4 * CHANNELS), None);
         }

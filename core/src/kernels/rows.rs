@@ -39,7 +39,7 @@ impl Rows {
         }
     }
 
-    /// Rows of a template and of the pixel ranges under it. `None` if there are fewer ranges than pixels.
+    /// Rows of a template and of the pixel ranges it is compared with. `None` if there are fewer ranges than pixels.
     #[inline(always)]
     #[cfg_attr(smr_swar, allow(dead_code))]
     pub(crate) fn of_blocks(blocks: &Blocks<'_>, template: Image<'_>) -> Option<Self> {

@@ -135,7 +135,7 @@ impl<'a> Scorer<'a> {
         by_backend!(&self.ready, Ready(kernels) => kernels.ranges(rows, low, high));
     }
 
-    /// True if a backend of this target computes several rows of ranges faster than row by row.
+    /// True if a backend of this target computes ranges of 4x4 blocks faster in several rows at once than row by row.
     pub(crate) const RANGES_OF_ROWS: bool = cfg!(any(
         target_arch = "x86_64",
         all(target_arch = "aarch64", target_feature = "neon"),

@@ -1,8 +1,7 @@
 //! SIMD128, the vectors of WebAssembly: 16 pixels in a vector. Scores:
 //!
-//! 1. A swizzle looks up 16 bytes and gives zero for a larger index. Entries from the threshold on are zero, so the
-//!    lookup is also the test d < threshold. The usual threshold is at most 16, which takes one lookup for each plane.
-//!    Larger ones take up to 16.
+//! 1. A swizzle looks up 16 bytes, or zero for a larger index. Entries from the threshold on are zero, so the lookup is
+//!    also the test d < threshold. Thresholds up to 16 (usual) take one lookup for each plane, others up to 16.
 //! 2. Bytes are added in pairs, and the pairs to four-byte lanes.
 
 pub(crate) mod products;

@@ -15,7 +15,7 @@ pub(crate) struct Points {
     pub(super) largest: u8,
     /// A pixel of similarity p has at least p * `rate` / 2^24 points. 0 disables the bound.
     rate: u32,
-    /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold, for any table.
+    /// The largest integer c with p(d) <= 65535 - c * d for every difference d below the threshold, whatever the table.
     /// (For exp the largest d decides: its chord from p(0) is the flattest.) Stored, because division is slow.
     chord: u32,
 }
@@ -45,8 +45,7 @@ impl Points {
     /// disabled. The larger of two bounds, the second one tight where most pixels are similar:
     ///
     /// - A score of `floor` needs at least `floor` * `rate` / 2^24 points.
-    /// - A pixel loses at least `chord` of its score for each point that it lacks. A pixel beyond the threshold lacks
-    ///   255 points and loses 65535: 257 for each.
+    /// - A pixel loses at least `chord` of its score for each point it lacks; beyond the threshold 65535 / 255 = 257.
     pub(super) fn needed(&self, floor: u32, pixels: u32) -> u32 {
         if self.rate == 0 {
             return 0;
@@ -59,7 +58,7 @@ impl Points {
     }
 
     /// Spare points of four offsets before the first row: the most points that the rows can have, minus those needed. A
-    /// loop subtracts the points that pixels lack. A negative number excludes the offset; those not `wanted` start so.
+    /// loop subtracts the points that pixels lack. A negative offset is excluded; one not `wanted` starts negative.
     #[inline(always)]
     pub(super) fn spare(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
         let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();

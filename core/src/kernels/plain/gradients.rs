@@ -172,8 +172,8 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Replaces the energies of columns of three cells by `of(norm)`. The norm of a cell is the root of 64 times the mean
-/// energy of the 3x3 cells around it, of which `rows` rows exist. There are at least two columns.
+/// Replaces the energies in `columns` (sums of three cells) by `of(norm)`. The norm of a cell is the root of 64 times
+/// the mean energy of the 3x3 cells around it, of which `rows` rows exist. There are at least two columns.
 #[inline(always)]
 pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
     debug_assert!(columns.len() != 1);

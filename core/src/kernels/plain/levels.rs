@@ -32,7 +32,7 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
 /// Number of positions in a row for the left sample of a column.
 pub(crate) const PLACES: u16 = 512;
 
-/// A row to sample: 256 * gray level - [`BIAS`] (in two's complement), with room for the last right sample.
+/// A row of gray levels to sample, as 256 * level - [`BIAS`] in two's complement, with room for the last right sample.
 pub(crate) type MixedRow = [u16; PLACES as usize + 4];
 
 /// Weights of a column's left and right sample, 256 in sum. The assembly loads them as an aligned word.

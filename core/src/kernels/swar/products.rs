@@ -69,7 +69,7 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(pieces, &mut rows, both, out);
 }
 
-/// A row of cells, or the difference of two rows, stored channel by channel. `Layout::fits` has checked all rows.
+/// A row of cells, or the difference of two rows, by channel. `Layout::fits` has checked that all rows exist.
 struct Differences<'a> {
     cells: *const i8,
     stride: usize,

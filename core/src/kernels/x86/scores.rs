@@ -12,7 +12,7 @@ use core::arch::x86_64::*;
 
 /// A vector register that shuffles bytes within each of its 16-byte parts.
 pub(super) trait Shuffle: Neighbours {
-    /// Loads 16 bytes into each part.
+    /// Loads the same 16 bytes into each part.
     unsafe fn segment(entries: &[u8; SEGMENT]) -> Self;
     /// Looks up each index in the `entries` of its part; zero if the top bit of the index is set.
     unsafe fn shuffle(entries: Self, index: Self) -> Self;
@@ -27,8 +27,8 @@ pub(super) const SEGMENT: usize = 16;
 /// Segments in a half of the table: 128 entries, which the top bit of an index separates from the others.
 const SEGMENTS_A_HALF: usize = 8;
 
-/// A table in shuffle segments. In each half of the table a segment after the first is stored as its xor with the one
-/// before it. An index in segment k gets a value from each shuffle up to k, and their xor is the entry.
+/// Table segments for shuffles. In each half of the table, segments after the first are stored as their xor with the
+/// one before. For an index in segment k, the xor of the shuffles of the segments up to k is the entry.
 pub(crate) type Lookup<V> = generic::Lookup<V, SEGMENT, 16>;
 
 impl<V> Lookup<V> {

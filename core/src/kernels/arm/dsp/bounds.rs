@@ -1,5 +1,5 @@
-//! Upper bounds of scores by the DSP extension, which exclude offsets: the points of four neighbouring offsets, and the
-//! pixels of the template beyond the threshold at every offset of a 4x4 group.
+//! Upper bounds of scores by the DSP extension, which exclude offsets: points (255 - difference, summed) of four
+//! neighbouring offsets, and template pixels beyond the threshold at every offset of a 4x4 group.
 //!
 //! Both take seven instructions for four pixels. The score itself takes 17: two loads, three for the difference, four
 //! to extract bytes, four table loads and four additions.

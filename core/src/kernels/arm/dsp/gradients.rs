@@ -1,5 +1,4 @@
-//! Gradients of a cell by the DSP extension. It subtracts four pixels at a time. `smusd` computes in one instruction
-//! the distance of a gradient beyond a direction. The plain loop is in `plain/gradients.rs`.
+//! Gradients of a cell by the DSP extension: `smusd` computes the distance of a gradient beyond a direction.
 
 use crate::kernels::layout::{CELL, CHANNELS, SIDE};
 use crate::kernels::plain::gradients::DIRECTIONS;
@@ -139,7 +138,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "2:",
                 "ldr r6, [r1]",
                 "ldr r7, [r1, #2]",
-                // The absolute difference. The top bit of r8 is the sign.
+                // Absolute differences of four pixels. The top bits of r8 are the signs.
                 "usub8 r12, r6, r7\nuhsub8 r8, r7, r6\nusub8 r7, r7, r6\nsel r7, r7, r12",
                 "ldr r6, [r1, #1 - {columns}]",
                 "ldr r12, [r1, #1 + {columns}]",
@@ -159,7 +158,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 add!("r10", 3),
                 "cmp r1, r12",
                 "bne 2b",
-                // Sums 1 to 4 from the sectors, then 8 to 5 likewise from the mirrored sectors. r9 becomes sum 0.
+                // Channel sums 1 to 4 from the sectors, then 8 to 5 from the mirrored sectors. r9 becomes sum 0.
                 "ldrd r2, r3, [sp]",
                 "add r1, r0, #128",
                 "mov r8, #{row}",

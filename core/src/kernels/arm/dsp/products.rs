@@ -58,7 +58,7 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(pieces, &mut rows, both, out);
 }
 
-/// A row of cells, unpacked, and rows of factors that multiply it. `Layout::fits` has checked all rows.
+/// A row of cells, unpacked, and rows of factors that multiply it. `Layout::fits` has checked that all rows exist.
 struct Unpacked {
     cells: *const i8,
     stride: usize,
@@ -85,8 +85,8 @@ impl Rows for Unpacked {
     }
 }
 
-/// Unpacks pairs of channels of `width` cells from `first`, minus those from `second` if there are any: one pair of all
-/// cells, then the next pair. The pairs are the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and 9.
+/// Unpacks a row of `width` cells to pairs of channels: row `first`, minus row `second` if there is one. One pair of
+/// all cells follows the other: the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and 9.
 ///
 /// # Safety
 /// `width` cells of ten bytes can be read from `first` and `second`, and five words for each written. `width` is not 0.
@@ -143,7 +143,7 @@ unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second
     }
 }
 
-/// Unpacks the pairs of channels of the weights from `first`, plus those from `second` unless it is the same row.
+/// Unpacks a row of weights to pairs of channels: the row `first`, plus the row `second` unless both are the same.
 ///
 /// # Safety
 /// `width` cells of ten weights can be read from `first` and `second`, and five words for each written. `width` is not
@@ -255,7 +255,7 @@ pub(crate) fn gather<const N: usize>(
     for piece in pieces.start..pieces.end.min(SUMS * STEP) {
         let (sum_of, channel) = (piece / STEP, piece % STEP);
         let (rows, offsets) = (by_two.rows_of(sum_of), by_two.offsets_of(sum_of));
-        // At odd offsets no errors lie on the first row of the first pair of rows of cells.
+        // At odd offsets the errors begin at the second row of a pair of rows of cells.
         let odd_rows = rows.div_ceil(2);
         if channel == 0 {
             factors.fill(0);
@@ -334,9 +334,8 @@ macro_rules! add {
     };
 }
 
-/// Defines a function that adds products to n neighbouring sums. The loop over a row processes four factors at a time,
-/// and decrements its counter after its first load, where a product would wait. One to three factors left over come
-/// first; then the numbers are loaded again.
+/// Defines a function that adds products to n sums, four factors at a time. It decrements its counter after its first
+/// load, where a product would wait. One to three extra factors come first, then the numbers are reloaded.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {

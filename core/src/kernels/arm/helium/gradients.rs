@@ -49,8 +49,7 @@ static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
 #[repr(C, align(4))]
 #[allow(dead_code)] // the assembly reads it
 struct Memory {
-    /// Gradients of a row of pixels: |y| and |x| of the first pixel in each cell, their sector indices; then the next
-    /// pixels.
+    /// Gradients of a pixel row of four cells: |y|, |x| of the first pixels, the sector indices; then the next pixels.
     pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
     /// Sums of |y| and |x| in the mirrored sectors 4 to 0, then the sectors 0 to 4: neighbours share a direction.
     sectors: [[[u16; 2]; LANES]; SECTORS],
@@ -178,8 +177,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vadd.i16 q6, q6, q1",
                 "vstrh.32 q6, [r0]",
                 "sub r0, r0, #4 * {row}",
-                // Sector 4 and its mirror image lie between the directions 4 and 5. Both votes add their |y| and
-                // subtract their |x|. So both entries become (|y| + mirrored |y|, |x| - mirrored |x|).
+                // Sector 4 and its mirror image lie between the directions 4 and 5, and votes add their |y| and
+                // subtract their |x|. So the sums of both become (|y| + mirrored |y|, |x| - mirrored |x|).
                 "vldrw.u32 q0, [r11]",
                 "vldrw.u32 q1, [r11, #144]",
                 "mvn r2, #0",

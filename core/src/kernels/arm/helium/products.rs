@@ -289,8 +289,7 @@ impl Rows {
 pub(crate) use plain::TAKES_ROWS_OF_CELLS;
 pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 
-/// Adds the gradient of the filter's error, as [`plain::gather`] specifies. A piece of work is a channel (sums in
-/// `spare`).
+/// Adds the gradient of the filter's error, as [`plain::gather`] specifies. Pieces of work are channels.
 pub(crate) fn gather<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
