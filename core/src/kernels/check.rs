@@ -455,7 +455,7 @@ pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares filter responses and gradients, piece by piece. Weights and errors are noise, or the largest of a sign.
+/// Compares filter responses and gradients, by pieces. Weights and errors are noise, or the largest with sign `sign`.
 fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: usize, sign: Option<i16>) {
     let products = Products::new(backend);
     let mut noise = Noise(5);

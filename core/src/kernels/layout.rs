@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-/// Side of a feature cell, in pixels of the resampled grid.
+/// Side of a feature cell, in pixels of the resampled frame.
 pub const CELL: u16 = 4;
 /// Feature channels of a cell, one byte each.
 pub const CHANNELS: usize = 10;

@@ -15,7 +15,8 @@ use core::marker::PhantomData;
 
 /// Loops of an instruction set over the pixels of two pictures with at least `NARROWEST` columns.
 pub(crate) trait Loops {
-    /// The fewest columns of a picture. If it is more than one, the first entry of the table must be [`ONE`].
+    /// The fewest columns of a picture. If it is more than one, words are filled up with equal pixels, and the first
+    /// entry of the table must be [`ONE`].
     const NARROWEST: usize;
     /// (rows, 256 entries, floor): the score if it is at least `floor`, else any number below it.
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32;

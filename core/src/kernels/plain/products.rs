@@ -69,7 +69,7 @@ pub(crate) fn gather_inline<const N: usize>(
 
 /// False: pieces of work are rows of offsets, not pairs of rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = false;
-/// Number of pieces of work of [`gather`]; `None` if it has those of [`responses`].
+/// Number of pieces of work of [`gather`]. `None`: the same number as [`responses`] has.
 pub(crate) const GATHER_PIECES: Option<usize> = None;
 
 /// [`responses_inline`] as one copy, which saves flash. The unnamed scratch memory serves other backends.

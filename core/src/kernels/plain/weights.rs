@@ -31,7 +31,7 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation)] // the caller guarantees that the result fits
 fn number(weight: i32, factor: i64, sum: i32) -> i32 {
-    // A 64-bit product is slow on a processor without an instruction for it.
+    // Avoids a 64-bit product, which is slow on a processor without an instruction for it.
     if factor == 0 {
         return sum;
     }

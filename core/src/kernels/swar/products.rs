@@ -244,7 +244,7 @@ impl Slide<i16> {
 macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
         impl Slide<i16> {
-            /// Adds the products to n sums, and returns n.
+            /// Adds to n neighbouring sums as [`Slide::add`] does, and returns n.
             ///
             /// # Safety
             /// As [`Slide::add`], for n sums.
@@ -304,7 +304,7 @@ macro_rules! slide {
 macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
         impl Slide<i16> {
-            /// Adds the products to n sums, and returns n.
+            /// Adds to n neighbouring sums as [`Slide::add`] does, and returns n.
             ///
             /// # Safety
             /// As [`Slide::add`], for n sums.

@@ -155,7 +155,7 @@ macro_rules! outside_word {
 #[inline(never)]
 pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
     let mut memory = Memory { row: Row::of(pair), words: words(pair), own: entry(pair, MISSES_WORD) };
-    // Negative until more than `allowed` pixels are outside. There are at most 65537 pixels.
+    // Start of a count that reaches 0 once more than `allowed` pixels, of at most 65537, are outside.
     let start = !allowed.cast_signed();
     let mut sum = start;
     // SAFETY: only words within a row are read. Nothing but `memory` is written.

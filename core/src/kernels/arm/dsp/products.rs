@@ -274,8 +274,7 @@ pub(crate) fn gather<const N: usize>(
                 }
             }
         }
-        // A row below the last is replaced by the last, which cancels out: `both` adds it, the other partial sum
-        // subtracts it.
+        // Replaces rows below the last by the last: `both` adds its products, `upper` and `lower` subtract them again.
         let channel_of = |row: usize| cells.as_ptr().wrapping_add(row.min(down + span - 2) * stride + channel);
         for number in 0..(rows + offsets) / 2 {
             let of = |row| channel_of(4 * number + row);
@@ -339,7 +338,7 @@ macro_rules! add {
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {
-            /// Adds the products to n sums, and returns n.
+            /// Adds to n neighbouring sums as [`Slide::add`] does, and returns n.
             ///
             /// # Safety
             /// As [`Slide::add`], for n sums.
@@ -413,7 +412,7 @@ macro_rules! two {
     };
 }
 
-/// Adds the products of two factors to four sums. The numbers are in the registers a, b and c, then in c, d and a.
+/// Adds the products of two factors to four sums. Registers a, b, c hold the numbers before, and c, d, a after.
 macro_rules! four {
     ($a:literal $b:literal $c:literal $d:literal $move:literal; $between:expr) => {
         concat!(
@@ -426,7 +425,7 @@ macro_rules! four {
     };
 }
 
-/// Adds the products of two factors to five sums. The numbers are in the registers a to d, then in c, d, a and b.
+/// Adds the products of two factors to five sums. Registers a to d hold the numbers before, and c, d, a, b after.
 macro_rules! five {
     ($a:literal $b:literal $c:literal $d:literal $move:literal; $between:expr) => {
         concat!(

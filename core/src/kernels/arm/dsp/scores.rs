@@ -140,7 +140,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
 /// The pictures have at least four columns.
 #[inline(always)]
 unsafe fn distance(pair: &Rows, enough: u32) -> u32 {
-    // Negative until the distance exceeds `enough`. No sum overflows.
+    // Start of a sum that reaches 0 once the distance exceeds `enough`. It cannot overflow.
     let start = !enough.min(1 << 30).cast_signed();
     let mut sum = start;
     let mut column = 0;

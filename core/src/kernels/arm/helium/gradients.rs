@@ -74,8 +74,8 @@ macro_rules! beyond {
     };
 }
 
-/// Adds q1, the gradients of one pixel in each of four cells, to the sectors at `$index`. Loads the gradients at `$at`,
-/// and the index `$next` after them.
+/// Adds q1 (the gradient of one pixel in each of four cells) to the sectors at `$index`. Then loads the gradients at
+/// `$at`, and the index of their sectors to `$next`.
 macro_rules! add {
     ($index:literal, $next:literal, $at:literal) => {
         concat!(
@@ -232,8 +232,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     }
 }
 
-/// Computes the features of a row of cells, up to the length of `out`: for each cell nine times `min(sum * inverse >>
-/// 16, 127)`, and `(gray >> 4) - 128`. No product reaches 2^32.
+/// Computes the features of a row of cells, up to the length of `out`: nine gradients `min(sum * inverse >> 16, 127)`,
+/// and `(gray >> 4) - 128`. No product reaches 2^32.
 pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     let Some(sums) = sums.first_chunk::<CHANNELS>() else { return };
     const { assert!(ROW.is_multiple_of(8)) };
