@@ -100,7 +100,7 @@ pub(crate) struct ScaledSums<'a> {
 }
 
 impl<'a> ScaledSums<'a> {
-    /// `sums` as the values, without weights. They may include -2^31.
+    /// Takes `sums` as the values, without weights. They may include -2^31.
     pub(crate) fn of(sums: &'a [i32]) -> Self {
         Self { weights: sums, factor: 0, sums, left: 0 }
     }

@@ -65,7 +65,7 @@ impl Points {
         [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start })
     }
 
-    /// The points of a row of equal pixels.
+    /// The points of a row of equal pixels, 255 each.
     #[inline(always)]
     pub(super) fn of_row(rows: &Rows) -> u32 {
         #[allow(clippy::cast_possible_truncation)] // at most 65535 columns

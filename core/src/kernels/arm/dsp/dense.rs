@@ -161,7 +161,7 @@ impl Run {
                 turn!(),
                 "cmp r11, lr",
                 "bne 4b",
-                // Shifts, clamps and stores. If `apart` is 0 (one patch), r0 and r1 overwrite the outputs of r2 and r3.
+                // Shifts, clamps and stores r0 to r3. With one patch (`apart` is 0), r0 and r1 overwrite r2 and r3.
                 "6:",
                 "ldr r6, [sp, #8]",
                 "add r11, r11, r12",

@@ -19,7 +19,7 @@ use core::ops::Range;
 
 /// Bytes from an offset to the next one: the features of a cell.
 const STEP: usize = CHANNELS;
-/// The fewest factors in a row.
+/// The fewest factors in a row that the assembly supports.
 const LEAST: usize = 4;
 const PAIRS: usize = STEP / 2;
 const WORD: usize = size_of::<i32>();
@@ -355,7 +355,7 @@ macro_rules! slide {
                         "2:",
                         "ldr r11, [sp, #20]",
                         $window,
-                        // Moves the two lowest bits to the sign and the carry.
+                        // Moves the two lowest bits of the factor count to the sign and the carry.
                         "lsls r7, r11, #31",
                         "bpl 3f",
                         $one,
@@ -379,7 +379,7 @@ macro_rules! slide {
                         // Bytes from the end of a row of numbers to the next one.
                         inout("r5") WORD * width.wrapping_sub(count + $n - 1) => _,
                         inout("r8") factors.wrapping_add(rows * count) => _,
-                        // Not negative. Its two lowest bits are those of the count.
+                        // The factor count less four: not negative, with the same two lowest bits.
                         inout("r11") count.wrapping_sub(LEAST) => _,
                         inout("r12") factors => _,
                         inout("lr") numbers => _,

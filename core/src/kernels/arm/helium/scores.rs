@@ -168,7 +168,7 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
             low = inout(reg) low.as_mut_ptr().wrapping_sub(3) => _,
             span = inout(reg) span.as_mut_ptr().wrapping_sub(3) => _,
             lanes = inout(reg) u32::from(margin) => _,
-            // The lanes before the first one may hold anything.
+            // Carried into the first vector, from lanes that may hold anything.
             least = out(reg) _, least_of_two = out(reg) _, most = out(reg) _, most_of_two = out(reg) _,
             inout("lr") columns + 3 => _,
             out("q0") _, out("q1") _, out("q2") _, out("q3") _,
