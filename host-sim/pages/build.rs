@@ -1,5 +1,5 @@
-//! Finds the front end and its modules. In a clone it is `core/web/page`. A package of this crate holds a copy, because it can hold only
-//! its own folder: `.ci/release` puts it there.
+//! Finds the folder of the front end and lists its JavaScript modules. In a clone it is `core/web/page`; in a published
+//! package it is a copy made by `.ci/release`, because a package contains only its own folder.
 
 use std::path::Path;
 use std::{env, fs, io};
@@ -17,7 +17,8 @@ fn main() -> io::Result<()> {
     )
 }
 
-/// The name and the text of a module and of all that it imports, as a slice in Rust.
+/// Returns Rust source for a slice of (name, text): the module `first` and all modules that it imports, directly or
+/// not.
 fn modules(folder: &Path, first: &str) -> io::Result<String> {
     let (mut names, mut list) = (vec![first.to_owned()], String::new());
     while let Some(name) = names.get(list.lines().count()) {

@@ -1,8 +1,9 @@
-//! The colors of boxes, curves and grounds, in all pictures. `report/trackers.rs` has those of methods and of other trackers' results.
+//! Colors of boxes, curves and backgrounds in videos and figures. `report/trackers.rs` defines the colors of methods
+//! and of other trackers' result files.
 
 use smr_core::State;
 
-/// A color as red, green, blue.
+/// Red, green and blue, 0 to 255 each.
 pub type Color = [u8; 3];
 
 pub const WHITE: Color = [255; 3];
@@ -10,11 +11,11 @@ pub(crate) const BLACK: Color = [0; 3];
 pub(crate) const PAPER: Color = [24; 3];
 pub(crate) const GRID: Color = [90; 3];
 
-// Boxes in videos, by the state of the one target.
+// Box colors in a video of one target: tracking is green, uncertain or leaving is amber, lost is red.
 pub const GREEN: Color = [40, 230, 100];
 pub const AMBER: Color = [255, 190, 0];
 pub const RED: Color = [255, 70, 60];
-/// The colors of several targets, in turn.
+/// Box colors in a video of several targets, by target index; they repeat after the last.
 pub const TARGETS: [Color; 8] = [
     [0, 200, 255],
     [255, 120, 220],
@@ -28,7 +29,7 @@ pub const TARGETS: [Color; 8] = [
 
 pub const TRUTH: Color = [0, 230, 90];
 
-/// The color of a state. Tracking is what is expected: it does not catch the eye.
+/// Returns the color of a tracker's state in a figure. The normal state, tracking, gets an inconspicuous gray.
 pub const fn color_of(state: State) -> Color {
     match state {
         State::Tracking => [150, 160, 170],

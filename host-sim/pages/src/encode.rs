@@ -1,4 +1,4 @@
-//! Pictures as bytes (PNG, JPEG, PGM), and bytes as a part of a page.
+//! Encodes frames as PNG, JPEG and PGM, and bytes as base64 for HTML pages.
 
 use crate::colors::Color;
 use anyhow::Result;
@@ -8,7 +8,7 @@ use jpeg_encoder::{ColorType, Encoder};
 use smr_recordings::{ColorFrame, GrayFrame, Raster, Scalable, resized};
 use std::ops::Range;
 
-/// A PNG of levels in their colors. Small, and the same bytes every time.
+/// Encodes an indexed PNG in which `color` maps each gray level to a color. The bytes are few and deterministic.
 pub(crate) fn palette_png(levels: &GrayFrame, color: impl Fn(u8) -> Color) -> Result<Vec<u8>> {
     let pixels: Vec<Color> = levels.pixels.iter().map(|&level| color(level)).collect();
     let mut palette = pixels.clone();
@@ -21,7 +21,7 @@ pub(crate) fn palette_png(levels: &GrayFrame, color: impl Fn(u8) -> Color) -> Re
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_palette(palette.concat());
     encoder.set_compression(png::Compression::High);
-    // Neighbours in a palette of grays are neighbours to the eye, so what predicts gray levels predicts indices.
+    // In a sorted palette of grays, similar levels have close indices, so PNG's prediction filters help.
     let grays = palette.iter().filter(|[red, green, blue]| red == green && green == blue).count();
     encoder.set_filter(if 2 * grays > palette.len() { png::Filter::Adaptive } else { png::Filter::NoFilter });
     encoder.write_header()?.write_image_data(&indices)?;
@@ -36,10 +36,10 @@ pub(crate) fn rgb_png(size: (u32, u32), rgb: &[u8]) -> Result<Vec<u8>> {
     plain_png(size, png::ColorType::Rgb, rgb)
 }
 
-/// Most pixels on a side of a part of a frame.
+/// Longest side of a cropped part of a frame, in pixels.
 const MOST_SIDE: i32 = 640;
 
-/// Returns a part of the frame, left, top, width and height, as PNG; `None` if no pixel of it lies in the frame.
+/// Crops the rectangle (left, top, width, height) from the frame and encodes it as PNG; `None` if it lies outside.
 pub(crate) fn part_png(frame: &ColorFrame, [x, y, width, height]: [i32; 4]) -> Result<Option<Vec<u8>>> {
     let span = |from: i32, length: i32, end: u16| -> Result<Range<usize>> {
         let first = from.clamp(0, end.into());
@@ -61,18 +61,19 @@ fn plain_png((width, height): (u32, u32), color: png::ColorType, samples: &[u8])
     Ok(bytes)
 }
 
-/// The frame as binary PGM (P5), the form that every reader of PGM knows.
+/// Encodes the frame as binary PGM (P5), which every PGM reader supports.
 pub fn pgm(GrayFrame { width, height, pixels }: &GrayFrame) -> Vec<u8> {
     [format!("P5\n{width} {height}\n255\n").as_bytes(), pixels].concat()
 }
 
-/// JPEG quality, of 100: good for a picture that is looked at alone, enough for a page with many frames, which must stay small.
+/// JPEG quality in percent: `GOOD` for a picture shown alone, `ENOUGH` for a page with many frames, which must stay
+/// small.
 pub(crate) const GOOD: u8 = 88;
 pub(crate) const ENOUGH: u8 = 75;
 
 pub(crate) fn color_jpeg(frame: &ColorFrame, quality: u8) -> Result<Vec<u8>> {
     let ColorFrame { width, height, ref pixels } = *frame;
-    // Without colors it takes fewer bytes.
+    // A grayscale JPEG takes fewer bytes.
     if pixels.iter().all(|&[red, green, blue]| red == green && green == blue) {
         let pixels = pixels.iter().map(|&[gray, ..]| gray).collect();
         return jpeg(&GrayFrame { width, height, pixels }, quality);
@@ -88,7 +89,7 @@ pub(crate) fn jpeg(frame: &GrayFrame, quality: u8) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The frame with no side longer than `side`.
+/// Scales the frame down so that no side is longer than `side` pixels; a smaller frame is unchanged.
 pub(crate) fn within<P: Scalable>(frame: &Raster<P>, side: u16) -> Raster<P> {
     let longest = u32::from(frame.width.max(frame.height)).max(1);
     let fit = |length: u16| {
@@ -98,7 +99,7 @@ pub(crate) fn within<P: Scalable>(frame: &Raster<P>, side: u16) -> Raster<P> {
     resized(frame.clone(), fit(frame.width), fit(frame.height))
 }
 
-/// A URI that holds the bytes themselves: a page with it needs no other file.
+/// Returns a `data:` URI that contains the bytes, so that a page needs no other file.
 pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", base64(bytes))
 }

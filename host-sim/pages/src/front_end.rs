@@ -1,32 +1,32 @@
-//! The modules of the front end, from core/web/page, for the pages of host-sim. `build.rs` finds those that each page imports.
+//! HTML, CSS and JavaScript of the front end (core/web/page), embedded in the program. `build.rs` lists the modules.
 //!
-//! `view` serves each module under its own address ([`module`]). A page that is one file carries those that it needs in an import map
-//! ([`import_map`]) and begins with `import "smr/report.js"`.
+//! `host-sim view` serves each module at its own address ([`module`]). The report is a single HTML file: it contains
+//! its modules in an import map ([`import_map`]) and begins with `import "smr/report.js"`.
 
 use crate::encode::base64;
 
-/// File name and text of the modules of the window, and of the report.
+/// (file name, text) of the JavaScript modules: of the window (the page of `host-sim view`), then of the report.
 const MODULES: [&[(&str, &str)]; 2] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 const WINDOW: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.html"));
-/// Explanations of the words on pages, for a list.
+/// A glossary of the terms on the pages, as the items of an HTML list.
 pub const WORDS: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/words.html"));
-/// The style of every page.
+/// CSS of every page.
 pub const STYLES: [&str; 2] =
     [include_str!("report/base.css"), include_str!(concat!(env!("SMR_FRONT_END"), "/page.css"))];
 const WINDOW_STYLE: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.css"));
 
-/// The page of the window, which ends with these elements.
+/// Returns the HTML page of `host-sim view`, with `scripts` as its last elements.
 pub fn window(scripts: &str) -> String {
     WINDOW.replace("{{style}}", &(STYLES.concat() + WINDOW_STYLE)).replace("{{scripts}}", scripts)
 }
 
-/// The text of the window's module with this file name.
+/// Returns the text of a JavaScript module of `host-sim view` by its file name.
 pub fn module(name: &str) -> Option<&'static str> {
     MODULES[0].iter().find(|(module, _)| *module == name).map(|(_, text)| *text)
 }
 
-/// The element `<script type="importmap">` for the report, which is one file and begins with its module. Modules import one another by
-/// `./NAME.js`, which has no meaning in a page without an address, so each gets the name `smr/NAME.js`.
+/// Returns the element `<script type="importmap">` for the report. In its single HTML file, modules cannot import each
+/// other by `./NAME.js`, so each gets the name `smr/NAME.js`.
 pub fn import_map() -> String {
     let module = |(name, text): &(&str, &str)| {
         let text = base64(text.replace("from \"./", "from \"smr/").as_bytes());

@@ -1,8 +1,8 @@
-//! Pages for people: frames with the answers of trackers, drawn.
+//! Shows trackers' answers: reports, the paper's figures, videos, and the live page of `host-sim view`.
 //!
-//! [`report`] makes the HTML page of a recording and the paper's figures. [`export`] writes recordings as files: pictures, Y4M, C arrays, the
-//! layouts of toolkits, and videos with boxes drawn. [`window`] serves `host-sim view`. Trackers run by `smr-evaluation`, and differences are those
-//! of `smr-reference`. The caller says where files are written.
+//! [`report`] renders the HTML page of a recording and the paper's figures. [`export`] writes recordings as files:
+//! pictures, Y4M, C arrays, the layouts of toolkits, and videos with boxes. [`window`] serves `host-sim view`.
+//! `smr-evaluation` runs the trackers. The caller chooses the paths of files.
 
 pub mod colors;
 mod encode;

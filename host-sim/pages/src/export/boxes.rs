@@ -1,6 +1,5 @@
-//! The answers of trackers, in the formats of host-sim, of toolkits and of tools for annotation.
-//!
-//! A text is [`Printer::head`], a [`Printer::line`] for each target in each frame, and [`Printer::foot`].
+//! Prints trackers' answers in the formats of host-sim, of toolkits and of annotation tools. A file consists of
+//! [`Printer::head`], a [`Printer::line`] for each target in each frame, and [`Printer::foot`].
 
 mod coco;
 mod cvat;
@@ -74,7 +73,7 @@ pub struct About {
     pub origin: Origin,
     /// Name of each target; `None` for a single target without a name.
     pub targets: Vec<Option<String>>,
-    /// File names of the pictures from frame 1 on; empty for other recordings.
+    /// File names of the frames, if the recording is a folder of pictures; else empty.
     pub pictures: Vec<String>,
 }
 
@@ -88,14 +87,14 @@ impl About {
 pub struct Answer<'a> {
     /// Index in [`About::targets`].
     pub target: usize,
-    /// Number in the recording; the first is 1.
+    /// Frame number, from 1.
     pub frame: usize,
-    /// Time of the frame in seconds, if that is known.
+    /// Time of the frame in seconds, if known.
     pub time: Option<f64>,
     pub size: (u16, u16),
     /// `None` before the target's first box, and while it is gone.
     pub report: Option<&'a Report>,
-    /// Quality of the target, only in a frame that it was locked on.
+    /// Suitability of the target for tracking; only in the frame of a lock.
     pub quality: Option<Quality>,
 }
 
@@ -120,12 +119,12 @@ impl Printer {
         }
     }
 
-    /// True if targets have names; lines of CSV then begin with the name.
+    /// True if targets have names; each line of CSV then begins with the name.
     fn is_named(&self) -> bool {
         self.about.targets.iter().any(Option::is_some)
     }
 
-    /// The text of an answer; empty where the format has no line.
+    /// Returns the text of an answer; empty if the format has no line for it.
     pub fn line(&mut self, answer: &Answer<'_>) -> Result<String> {
         let form = match self.format {
             Format::Tld => Form::Tld,
@@ -187,7 +186,7 @@ impl Printer {
 
 const CSV_NAMES: &str = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
 
-/// One frame as JSON. Boxes are null when the target is lost, and figures that the method does not know are null.
+/// One frame as JSON. Boxes are null if the target is lost, and values that the method does not compute are null.
 #[derive(Serialize)]
 struct JsonLine<'a> {
     #[serde(flatten)]
@@ -219,7 +218,8 @@ struct Whole {
     height: u16,
 }
 
-/// A line of MOTChallenge (MOT16, arXiv:1603.00831): frames, targets and pixels count from 1; an unknown figure is -1.
+/// Formats a line of MOTChallenge (MOT16, arXiv:1603.00831): frames, targets and pixels count from 1; an unknown value
+/// is -1.
 fn mot(&Answer { target, frame, report, .. }: &Answer<'_>) -> String {
     let Some((report, BoundingBox { x, y, width, height })) = report.and_then(|report| Some((report, report.target?)))
     else {
@@ -255,7 +255,7 @@ fn csv_line(answer: &Answer<'_>, report: &Report) -> String {
     fields.join(",") + "\n"
 }
 
-/// Rounds to six digits: microseconds, and finer than a ratio's 1/65535.
+/// Rounds to six decimals: a microsecond for times, and finer than a ratio's resolution of 1/65535.
 pub(crate) fn rounded(ratio: f64) -> f64 {
     (ratio * 1e6).round() / 1e6
 }
@@ -301,7 +301,7 @@ mod tests {
             "smr",
             r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9,"quality":null"#,
         );
-        // Before the first box only formats with a line for each frame have one.
+        // In frames before the target's first box, only formats with a line for each frame have a line.
         for (format, of_found, of_lost, before) in [
             (Format::Tld, "-2,5,8,25\n", "NaN,NaN,NaN,NaN\n", "NaN,NaN,NaN,NaN\n"),
             (Format::Otb, "-1,6,10,20\n", "NaN,NaN,NaN,NaN\n", "NaN,NaN,NaN,NaN\n"),
@@ -333,7 +333,7 @@ mod tests {
         assert_eq!(named(Format::Mot).line(&of).unwrap(), "120,2,2,3,3,4,1,-1,-1,-1\n");
     }
 
-    /// Three frames: `man` is there in the first and the last, `car` from the second on.
+    /// Returns the text of three frames: `man` is visible in the first and the third, `car` from the second on.
     fn text(format: Format) -> String {
         let mut printer = printer(format, MethodKind::Robust, &[Some("man"), Some("car")]);
         let seen = Report::locked(Rect::new(1, 2, 30, 40));

@@ -6,8 +6,8 @@ use std::fmt::Write;
 
 const IN_A_LINE: usize = 24;
 
-/// Names that mean something else: keywords of C23 and C++23, what GNU compilers and C23's limits define, and functions of the usual headers
-/// that a recording may be called like.
+/// Names that a C array must not have: keywords of C23 and C++23, macros of GNU compilers and of C23's limits, and
+/// functions of standard headers that could be the name of a recording.
 const TAKEN: &str = "
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class co_await co_return co_yield compl concept const const_cast
     consteval constexpr constinit continue decltype default delete do double dynamic_cast else enum explicit export extern false float for friend
@@ -19,12 +19,12 @@ const TAKEN: &str = "
     listen log nice open pause pipe poll pow raise rand random read remainder remove rename rewind round select send shutdown signal sin sleep
     socket sqrt stat sync system tan time truncate unlink wait write y0 y1";
 
-/// `name` as a C identifier that means nothing else.
+/// Turns `name` into a C identifier that clashes with no keyword, macro or standard function.
 pub(super) fn identifier(name: &str) -> String {
     let allowed = |letter: char| if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { '_' };
     let plain: String = name.chars().map(allowed).collect();
     let is_name = plain.starts_with(|first: char| first.is_ascii_alphabetic());
-    // POSIX reserves `_t`, and smr.h uses `smr_`.
+    // POSIX reserves names that end in `_t`, and smr.h defines names that begin with `smr_`.
     let is_taken = plain.ends_with("_t") || plain.starts_with("smr_");
     let is_free = !is_taken && TAKEN.split_whitespace().all(|taken| taken != plain);
     if is_name && is_free { plain } else { format!("frames_{plain}") }

@@ -1,4 +1,4 @@
-//! An ffmpeg that writes a file from the frames that it is given.
+//! An ffmpeg process that encodes frames from its standard input to a file.
 
 use anyhow::{Context, Result, bail, ensure};
 use smr_recordings::cleanup::Process;
@@ -12,15 +12,15 @@ use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::time::{Duration, Instant};
 use std::{fs, thread};
 
-/// Bytes of a chunk; each chunk that ffmpeg takes is a sign of life.
+/// Bytes of a write to ffmpeg; each completed write is a sign that ffmpeg is alive.
 const CHUNK: usize = 1 << 16;
 
 pub(super) struct Ffmpeg {
     process: Process,
     said: Receiver<String>,
-    /// Channel to the thread that writes into ffmpeg and may block; one frame waits in it.
+    /// Channel, for one frame, to the thread that writes to ffmpeg and may block.
     frames: SyncSender<Vec<u8>>,
-    /// Number of chunks that ffmpeg took.
+    /// Count of chunks written to ffmpeg.
     chunks: Arc<AtomicU64>,
     file: PathBuf,
     patience: Duration,
@@ -68,7 +68,7 @@ impl Ffmpeg {
     }
 
     pub fn end(mut self) -> Result<()> {
-        // The thread writes the frames that wait, then closes the pipe.
+        // Dropping the sender makes the thread write the waiting frame, then close the pipe.
         self.frames = sync_channel(0).0;
         self.verdict()
     }

@@ -1,10 +1,9 @@
-//! Raw frames with their times as Matroska, the one stream that ffmpeg reads from a pipe with a time for each frame.
-//!
-//! Elements are an identifier, a size and data: see <https://www.matroska.org/technical/elements.html>.
+//! Writes raw frames as Matroska, the only raw format with a time for each frame that ffmpeg reads from a pipe. It
+//! consists of elements (identifier, size, data): see <https://www.matroska.org/technical/elements.html>.
 
-/// An unknown size: the element goes on to the next of its kind.
+/// Size field of an element of unknown size, which extends to the next element of its kind.
 const UNKNOWN: [u8; 8] = [1, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF];
-/// The unit of times, in nanoseconds.
+/// Unit of all timestamps, in nanoseconds.
 const MICROSECOND: u64 = 1000;
 
 pub(super) fn head((width, height): (u32, u32)) -> Vec<u8> {
@@ -26,9 +25,9 @@ pub(super) fn head((width, height): (u32, u32)) -> Vec<u8> {
     .concat()
 }
 
-/// Returns a frame of red, green and blue that is shown at this time.
+/// Returns a cluster with one RGB frame, shown at `microseconds`.
 pub(super) fn frame(microseconds: u64, rgb: &[u8]) -> Vec<u8> {
-    // Track 1, at the time of the cluster, a key frame.
+    // Block header: track 1, time offset 0 from the cluster, key frame.
     let block = [&[0x81, 0, 0, 0x80], rgb].concat();
     element(&[0x1F, 0x43, 0xB6, 0x75], &[number(&[0xE7], microseconds), element(&[0xA3], &block)].concat())
 }
@@ -38,7 +37,7 @@ fn number(identifier: &[u8], value: u64) -> Vec<u8> {
 }
 
 fn element(identifier: &[u8], data: &[u8]) -> Vec<u8> {
-    // The highest bit marks a size of eight bytes.
+    // The 1 in the first byte marks a size field of eight bytes.
     let size = (data.len() as u64 | 1 << 56).to_be_bytes();
     [identifier, &size, data].concat()
 }

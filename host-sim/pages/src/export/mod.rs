@@ -1,4 +1,4 @@
-//! Recordings as files: for other programs, for firmware, and to be looked at.
+//! Writes recordings and trackers' answers as files: for other programs, for firmware, and to watch.
 //!
 //! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array, or in the layout of a toolkit.
 //! - [`boxes`]: the answers of trackers, as text.

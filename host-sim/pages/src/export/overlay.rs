@@ -1,4 +1,4 @@
-//! Boxes and lines of text, drawn over a frame.
+//! Draws boxes and lines of text on a frame.
 
 use crate::colors::{BLACK, Color};
 use embedded_graphics::geometry::{OriginDimensions, Point, Size};
@@ -12,7 +12,7 @@ use embedded_graphics::{Drawable, Pixel, draw_target::DrawTarget};
 use smr_recordings::{BoundingBox, ColorFrame};
 use std::convert::Infallible;
 
-/// A frame to draw on. Drawings outside it are cut off.
+/// An RGB frame to draw on, which clips all drawings.
 pub struct Overlay {
     width: u32,
     height: u32,
@@ -42,15 +42,16 @@ impl Overlay {
         }
     }
 
-    /// Returns the width of lines in pixels. Large frames have wider lines, so that they are seen.
+    /// Returns the width of lines in pixels, larger in large frames so that lines stay visible.
     fn dot(&self) -> u32 {
         self.width.min(self.height) / 240 + 1
     }
 
-    /// Draws lines around the box, with a dark line outside, so that they are seen on any ground. Nothing is drawn in the box: targets are small.
+    /// Draws the box's outline with a dark border, visible on any background. Both lie outside the box, because targets
+    /// are small.
     pub fn outline(&mut self, target: &BoundingBox, color: Color) {
         let Some(rect) = target.to_rect() else { return };
-        // Lines far outside the frame are invisible anyway.
+        // Clamps coordinates far outside the frame, where lines are invisible, against overflow.
         let place = Point::new(rect.x.clamp(-100_000, 100_000), rect.y.clamp(-100_000, 100_000));
         let area = Rectangle::new(place, Size::new(rect.width.into(), rect.height.into()));
         let dot = self.dot();
@@ -60,7 +61,7 @@ impl Overlay {
         }
     }
 
-    /// Draws the edges of the box in dashes, because the target may not be there.
+    /// Draws the box's edges with dashes, for a target that may not be there.
     pub fn dashed_outline(&mut self, target: &BoundingBox, color: Color) {
         let BoundingBox { x, y, width, height } = *target;
         let (right, bottom) = (x + width, y + height);
@@ -73,7 +74,7 @@ impl Overlay {
         self.line(&corners, dot, color, f64::from(5 * dot));
     }
 
-    /// Draws a line through `points`. Dashes and gaps have the same length, and go on around the corners.
+    /// Draws a line through `points`. Dashes and gaps have the same length, and continue around corners.
     fn line(&mut self, points: &[(f64, f64)], width: u32, color: Color, dash: f64) {
         let style = PrimitiveStyle::with_stroke(rgb(color), width);
         let mut before = 0.0;
@@ -96,13 +97,13 @@ impl Overlay {
         }
     }
 
-    /// Writes a line on a dark ground, in the upper left corner.
+    /// Writes a line of text on a dark background, in the upper left corner.
     pub fn label(&mut self, text: &str, color: Color) {
         let label = lettering(text, color);
         self.picture(0, 0, &label);
     }
 
-    /// Writes a line on a dark ground above the box, or in it if there is no room above.
+    /// Writes a line of text on a dark background above the box, or in it if there is no space above.
     pub fn label_box(&mut self, target: &BoundingBox, text: &str, color: Color) {
         let label = lettering(text, color);
         let (width, height) = (label.width * self.dot(), label.height * self.dot());
@@ -114,7 +115,7 @@ impl Overlay {
         self.picture(place(target.x, most(self.width, width)), place(top, most(self.height, height)), &label);
     }
 
-    /// Draws a picture, enlarged by the width of lines.
+    /// Draws a picture, enlarged by the factor [`Self::dot`].
     fn picture(&mut self, left: u32, top: u32, picture: &Self) {
         let dot = self.dot();
         for y in 0..picture.height * dot {
@@ -123,7 +124,7 @@ impl Overlay {
     }
 }
 
-/// A dash that is longer than any line.
+/// Length of a dash that is longer than any line, which makes the line solid.
 const LONGEST: f64 = 1e9;
 
 fn lettering(text: &str, color: Color) -> Overlay {

@@ -1,4 +1,4 @@
-//! A film of frames with drawings on them: a video (through ffmpeg), or a folder of PNG pictures.
+//! Writes frames with boxes drawn on them as a video (through ffmpeg) or as a folder of PNG pictures.
 
 use super::ffmpeg::Ffmpeg;
 use super::matroska;
@@ -13,8 +13,8 @@ use std::time::Duration;
 
 pub const ENDINGS: [&str; 4] = ["mp4", "mov", "mkv", "webm"];
 
-/// Options of ffmpeg for each of [`ENDINGS`]: codecs and container; a codec not named is ffmpeg's usual one. Players
-/// want the index at the beginning of a file. VP9 gets options that make it as quick as H.264.
+/// Options of ffmpeg for each of [`ENDINGS`]: codecs, if not the default ones, and container. `+faststart` puts the
+/// index first, as players expect. The options for VP9 make it as fast as H.264.
 const CODECS: [&[&str]; 4] = [
     &["-c:a", "aac", "-movflags", "+faststart", "-f", "mp4"],
     &["-c:a", "aac", "-movflags", "+faststart", "-f", "mov"],
@@ -22,7 +22,7 @@ const CODECS: [&[&str]; 4] = [
     &["-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1", "-crf", "32", "-b:v", "0", "-f", "webm"],
 ];
 
-/// A film under way. It gets its name in [`Film::finish`].
+/// A video or folder being written. It appears under its name in [`Film::finish`].
 pub struct Film {
     name: PathBuf,
     plan: Plan,
@@ -31,7 +31,8 @@ pub struct Film {
 }
 
 enum Way {
-    /// The first frame starts ffmpeg. Fields drop in order: ffmpeg ends before its output file is removed.
+    /// A video: ffmpeg (started by the first frame), its output file and its options. Fields drop in order, so that
+    /// ffmpeg ends before the file is removed.
     Video(Option<Ffmpeg>, Output, &'static [&'static str]),
     Pictures(Folder),
 }
@@ -39,11 +40,11 @@ enum Way {
 /// Settings of a film that come from the recording.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// File with the sound, which is left out if the recording has no times.
+    /// File with the sound, which is omitted if the recording's frames have no times.
     pub sound: Option<PathBuf>,
-    /// The number of the next frame.
+    /// Number of the next frame, for the names of pictures.
     pub number: usize,
-    /// Longest silence of ffmpeg.
+    /// Longest time without a sign of life of ffmpeg, after which writing fails.
     pub patience: Duration,
 }
 
@@ -112,11 +113,11 @@ fn command(plan: &Plan, timeline: &Timeline, aspect: (u32, u32), codecs: &[&str]
     command.args(["-v", "error", "-f", "matroska", "-i", "-"]);
     if let Some((recording, start)) = plan.sound.as_deref().zip(timeline.start()) {
         command.args(["-ss", &format!("{start:.6}"), "-i"]).arg(ffmpeg_input(recording));
-        // Silence follows the sound, so that -shortest cuts the sound and never the picture.
+        // `apad` appends silence to the sound, so that `-shortest` cuts the sound and never the picture.
         command.args(["-map", "0:v", "-map", "1:a:0?", "-af", "apad", "-shortest"]);
     }
     command.args(["-fps_mode", "passthrough"]);
-    // Players want color at half the size, and BT.709.
+    // Players expect chroma at half the size, and thus even sides, and the color space BT.709.
     let even = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
     let filter = format!("{even},setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
     command.args(["-vf", &filter, "-pix_fmt", "yuv420p"]);
@@ -126,11 +127,11 @@ fn command(plan: &Plan, timeline: &Timeline, aspect: (u32, u32), codecs: &[&str]
     command
 }
 
-/// The times of the frames of a film: those of the recording, or 25 a second where it has none.
+/// Timestamps of the frames of a film: the recording's, or 25 frames a second if it has none.
 struct Timeline {
     is_begun: bool,
     first: Option<Moment>,
-    /// Time of the last frame in microseconds; `interval` is its distance from the frame before.
+    /// Time of the last frame in microseconds; `interval` is the time between it and the frame before.
     last: u64,
     interval: u64,
 }
@@ -140,7 +141,7 @@ impl Timeline {
         Self { is_begun: false, first: None, last: 0, interval: 40_000 }
     }
 
-    /// Time of the next frame, in microseconds from the first one.
+    /// Returns the time of the next frame, in microseconds from the first one.
     fn next(&mut self, moment: Option<Moment>) -> u64 {
         if !self.is_begun {
             (self.is_begun, self.first) = (true, moment);
@@ -150,13 +151,13 @@ impl Timeline {
             (Some(first), Some(moment)) => microseconds(moment.seconds() - first.seconds()),
             _ => self.last + self.interval,
         };
-        // Times must grow, also in a damaged file.
+        // Times must increase, even if a damaged recording's do not.
         self.interval = time.saturating_sub(self.last).max(1);
         self.last += self.interval;
         self.last
     }
 
-    /// Returns the unit of the times, as a fraction of a second.
+    /// Returns the time base of the recording as a fraction of a second: numerator and denominator.
     fn base(&self) -> (u32, u32) {
         self.first.map_or((1, 25), |first| first.base)
     }
@@ -223,7 +224,7 @@ mod tests {
         if !crate::missing::has_ffmpeg("a_video_is_decoded_again") {
             return;
         }
-        // The videos have even sides, because color is stored at half the size.
+        // The videos have even sides, because chroma is stored at half the size.
         for name in ENDINGS.map(|ending| format!("film.{ending}")) {
             let out = above.path().join(&name);
             filmed(&out);

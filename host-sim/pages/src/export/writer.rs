@@ -1,4 +1,5 @@
-//! A recording as files that this program, others, and firmware read, and the files beside the frames that the toolkits of VOT, OTB and GOT-10k read.
+//! Writes a recording as files for host-sim, other programs and firmware, or in the layout of the toolkit of VOT, OTB
+//! or GOT-10k:
 //!
 //! | toolkit | frames | boxes | besides |
 //! |---|---|---|---|
@@ -6,7 +7,7 @@
 //! | OTB | `img/0001.jpg` | `groundtruth_rect.txt`, the first pixel being 1; no area where it is not visible | |
 //! | GOT-10k | `00000001.jpg` | `groundtruth.txt`; no area where it is not visible | `meta_info.ini`, and a number for each frame in `absence.label`, `cover.label` and `cut_by_image.label` |
 //!
-//! Without ground truth the file with boxes has one line, the box to start from, as in the test sets of GOT-10k.
+//! Without ground truth the file with boxes has one line, the start box, as in the test sets of GOT-10k.
 
 use super::c_array;
 use crate::encode::{jpeg, pgm, png};
@@ -19,7 +20,7 @@ use smr_recordings::{BoundingBox, GrayFrame};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Frames a second in files, because a recording has no rate.
+/// Frames a second to write into files, because a recording has no rate.
 const RATE: u32 = 25;
 
 /// A file, a folder of pictures, or the layout of a toolkit.
@@ -49,7 +50,7 @@ impl Format {
         matches!(self, Self::Vot | Self::Otb | Self::Got10k)
     }
 
-    /// The extensions of files that hold all frames.
+    /// Extensions of files that contain all frames.
     pub const OF_FILES: [&str; 6] = ["y4m", "raw", "gray", "bin", "y8", "h"];
 
     pub fn of_file(path: &Path) -> Option<Self> {
@@ -70,31 +71,31 @@ pub struct Written {
     pub height: u16,
     /// Bytes of all frames, with the headers of their format.
     pub bytes: u64,
-    /// The other files: boxes, and the texts that a toolkit reads.
+    /// Names of the files besides the frames: boxes, and a toolkit's texts.
     pub boxes: Vec<&'static str>,
-    /// List of sequences that the recording was added to.
+    /// File with a list of sequences, to which the recording was added.
     pub list: Option<PathBuf>,
     /// Configuration of a workspace of the VOT toolkit, if one was written.
     pub config: Option<PathBuf>,
 }
 
-/// The best quality that JPEG has.
+/// JPEG quality in percent.
 const QUALITY: u8 = 100;
 
-/// A recording being written. It gets its name in [`Writer::finish`].
+/// A recording being written. It appears under its name in [`Writer::finish`].
 pub struct Writer {
     name: String,
     format: Format,
     start: Option<BoundingBox>,
-    /// The file of all frames; `None` if frames are pictures.
+    /// File of all frames; `None` if each frame is a picture.
     file: Option<Output>,
-    /// The folder of the pictures or the file, and of the boxes; `None` for a file alone.
+    /// Folder of the boxes and the frames; `None` for a file alone.
     folder: Option<Folder>,
     written: Written,
 }
 
 impl Writer {
-    /// Begins the recording `name`: one file if `out` has the extension of a file of all frames, else a folder, which also holds boxes.
+    /// Creates the recording `name`: a single file if `out` has the extension of `format`, else a folder with boxes.
     pub fn create(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
         let mut writer =
             Self { name: name.to_owned(), format, start, file: None, folder: None, written: Written::default() };
@@ -104,7 +105,7 @@ impl Writer {
         }
         let is_listed = matches!(format, Format::Vot | Format::Got10k);
         writer.written.list = is_listed.then(|| out.with_file_name("list.txt"));
-        // The folder must be empty: its files would become part of the recording, or be lost.
+        // The folder must be empty, because its files would become part of the recording or be lost.
         let folder = Folder::create(out)?;
         if let Some((inner, _)) = picture(format, 1).split_once('/') {
             folder.folder(inner)?;
@@ -119,7 +120,7 @@ impl Writer {
         let GrayFrame { width, height, pixels } = frame;
         let bytes = match self.format {
             Format::Png | Format::Vot => png(frame)?,
-            // The toolkits of OTB and GOT-10k look for files *.jpg alone.
+            // The toolkits of OTB and GOT-10k read only files `*.jpg`.
             Format::Otb | Format::Got10k => jpeg(frame, QUALITY)?,
             Format::Pgm => pgm(frame),
             Format::Y4m => [b"FRAME\n", &pixels[..]].concat(),
@@ -147,8 +148,9 @@ impl Writer {
         self.folder.as_ref().map_or(Ok(()), |folder| folder.write(&picture, bytes))
     }
 
-    /// Ends the recording. A folder gets `init.txt` and, with `truth`, `gt.txt` (both TLD), or the toolkit's files.
-    /// These hold `truth` if it has an entry for each frame and a box in the first, else only the box to start from.
+    /// Ends the recording. A folder gets `init.txt` and, with `truth`, `gt.txt` (both in TLD's format), or the
+    /// toolkit's files. A toolkit gets `truth` if it has an entry for each frame and a box in the first, else only the
+    /// start box.
     pub fn finish(mut self, truth: Option<&[Option<BoundingBox>]>) -> Result<Written> {
         if self.format == Format::H && self.written.frames > 0 {
             let foot = c_array::foot(&self.name);
@@ -162,7 +164,7 @@ impl Writer {
         if format.needs_boxes() {
             let given = [start];
             let boxes = truth.filter(|truth| is_whole(truth, written.frames)).unwrap_or(&given);
-            // `init.txt` is for this program; the toolkits start from the ground truth.
+            // Only host-sim reads `init.txt`; the toolkits start from the ground truth.
             texts.extend((boxes[0] != start).then(|| ("init.txt", line(&start))));
             texts.extend(files(format, &name, &written, boxes));
         } else {
@@ -182,7 +184,7 @@ impl Writer {
     }
 }
 
-/// True for ground truth that a toolkit can start from and count with.
+/// True if ground truth has an entry for each frame and a box in the first, as toolkits require.
 pub fn is_whole(truth: &[Option<BoundingBox>], frames: usize) -> bool {
     truth.len() == frames && truth.first().is_some_and(Option::is_some)
 }
@@ -196,8 +198,8 @@ fn picture(format: Format, number: usize) -> String {
     }
 }
 
-/// Returns the files of a toolkit beside the pictures; the first holds all boxes. `boxes` has one entry for each frame;
-/// without ground truth it is the box to start from alone.
+/// Returns (name, text) of a toolkit's files besides the pictures; the first contains all boxes. `boxes` has an entry
+/// for each frame or, without ground truth, only the start box.
 fn files(
     format: Format,
     name: &str,
@@ -207,7 +209,8 @@ fn files(
     let lines = |line: &dyn Fn(Option<&BoundingBox>) -> String| {
         boxes.iter().map(|entry| line(entry.as_ref()) + "\n").collect::<String>()
     };
-    // OTB's and GOT-10k's toolkits need four numbers a line and take NaN for a box. VOT's reads a single number.
+    // In a frame without a box, the toolkits of OTB and GOT-10k need four values that are not NaN; VOT's reads a single
+    // one.
     let shown = |form: Form| lines(&|entry| entry.map_or_else(|| "0,0,0,0".to_owned(), |seen| form.line(Some(seen))));
     if format == Format::Otb {
         return vec![("groundtruth_rect.txt", shown(Form::Otb))];
@@ -224,7 +227,7 @@ fn files(
         let is_cut =
             |of: &BoundingBox| of.x < 0.0 || of.y < 0.0 || of.x + of.width > right || of.y + of.height > bottom;
         files.push(("absence.label", lines(&|entry| u8::from(entry.is_none()).to_string())));
-        // The covered part of a target is unknown: 8 of 8 parts count as visible, or none.
+        // The visible fraction of a target is unknown: 8 of 8 parts are written, or 0 if it is not visible.
         files.push(("cover.label", lines(&|entry| if entry.is_some() { "8" } else { "0" }.to_owned())));
         files.push(("cut_by_image.label", lines(&|entry| u8::from(entry.is_some_and(is_cut)).to_string())));
     }
@@ -239,10 +242,9 @@ fn files(
     files
 }
 
-/// Writes the configuration of a workspace of the VOT toolkit and returns its path, if `list` lies in a folder called
-/// `sequences`, as in a workspace, and there is no configuration yet.
-///
-/// The stack names no data set, so the toolkit downloads nothing. Version 0.9 can run this one experiment.
+/// Writes the configuration of a workspace of the VOT toolkit and returns its path, if `list` is in a folder called
+/// `sequences`, as in a workspace, and there is no configuration yet. The configuration names no data set, so that the
+/// toolkit downloads nothing; version 0.9 runs its experiment.
 fn configure(format: Format, list: &Path) -> Result<Option<PathBuf>> {
     const WORKSPACE: &str = "registry:\n- trackers.ini\nsequences: sequences\nstack:\n  title: Recordings of host-sim\n  experiments:\n    unsupervised:\n      type: unsupervised\n";
     let above = list.parent().filter(|above| above.ends_with("sequences") && format == Format::Vot);
@@ -250,7 +252,7 @@ fn configure(format: Format, list: &Path) -> Result<Option<PathBuf>> {
     config.map(|config| output::write(&config, WORKSPACE.as_bytes()).map(|()| config)).transpose()
 }
 
-/// Adds the sequence `name` to `list`, if it is not in it.
+/// Appends the sequence `name` to the file `list`, unless it is listed.
 fn enlist(list: &Path, name: &str) -> Result<()> {
     let mut text = if list.is_file() {
         fs::read_to_string(list).with_context(|| format!("cannot read {}", list.display()))?
@@ -273,7 +275,7 @@ mod tests {
 
     const FRAMES: usize = 5;
 
-    /// The box of each frame but the fourth, in which the target is not visible.
+    /// Returns the box of each frame; `None` in the fourth, where the target counts as hidden.
     fn truth() -> Vec<Option<BoundingBox>> {
         (0..FRAMES).map(|frame| synthetic::truth(frame).filter(|_| frame != 3)).collect()
     }

@@ -1,4 +1,5 @@
-//! The difference |F - G| of the best patch and its template, pixel by pixel, and its picture, in which pixels that count are green.
+//! Difference |F - G| of each pixel between the best patch and the template, and its picture, in which the pixels that
+//! count (below the threshold alpha) are green.
 
 use crate::colors::Color;
 use crate::encode::palette_png;
@@ -6,7 +7,7 @@ use anyhow::Result;
 use smr_core::Rect;
 use smr_recordings::GrayFrame;
 
-/// |F - G| of every pixel of a box. The template may have another resolution than the frame.
+/// A template, and in `pixels` its difference |F - G| from a box of the frame, at the template's resolution.
 pub(super) struct Difference {
     pub pixels: GrayFrame,
     pub template: GrayFrame,
@@ -14,8 +15,8 @@ pub(super) struct Difference {
 
 /// Gray levels that one bar of a histogram spans.
 pub(super) const BAR: usize = 2;
-/// Bars of a histogram. The last one also has all larger differences: alpha is mostly far below, and what is above counts
-/// for nothing however large it is.
+/// Count of bars of a histogram. The last bar includes all larger differences, because they do not count: the threshold
+/// alpha is mostly far below.
 pub(super) const BARS: usize = 64;
 
 impl Difference {
@@ -26,7 +27,7 @@ impl Difference {
         Self { pixels, template }
     }
 
-    /// The share of the pixels in each bar.
+    /// Returns the fraction of the pixels in each bar.
     pub fn histogram(&self) -> [f64; BARS] {
         let mut counts = [0_u32; BARS];
         for &difference in &self.pixels.pixels {
@@ -35,14 +36,14 @@ impl Difference {
         counts.map(|count| f64::from(count) / self.pixels.pixels.len().max(1) as f64)
     }
 
-    /// The share of the pixels that count with a threshold of `alpha`.
+    /// Returns the fraction of the pixels that count: their difference is below `alpha`.
     pub fn counting(&self, alpha: u16) -> f64 {
         let counting = self.pixels.pixels.iter().filter(|&&difference| u16::from(difference) < alpha).count();
         counting as f64 / self.pixels.pixels.len().max(1) as f64
     }
 }
 
-/// A part of a frame. Outside the frame there are zeroes, as the trackers see it.
+/// Crops a part of a frame. Pixels outside the frame are 0, as in the trackers.
 pub(super) fn part(frame: &GrayFrame, Rect { x, y, width, height }: Rect) -> GrayFrame {
     let rows = (y..).take(height.into());
     let pixels = rows.flat_map(|y| (x..).take(width.into()).map(move |x| frame.level(x, y))).collect();
@@ -53,7 +54,7 @@ pub(super) fn patch(levels: &GrayFrame) -> Result<Vec<u8>> {
     palette_png(levels, coarse)
 }
 
-/// Shows differences brighter than they are, because most are small. Those below `alpha` count, and are green.
+/// Encodes differences as PNG, brightened because most are small. Differences below `alpha` count, and are green.
 pub(super) fn differences(levels: &GrayFrame, alpha: Option<u16>) -> Result<Vec<u8>> {
     palette_png(levels, |level| match alpha {
         Some(alpha) if u16::from(level) < alpha => counting_color(level),
@@ -61,15 +62,15 @@ pub(super) fn differences(levels: &GrayFrame, alpha: Option<u16>) -> Result<Vec<
     })
 }
 
-/// Half of the gray levels are enough for the eye, and noise makes up most of a file.
+/// Quantises a gray level to 128 levels, which are enough for the eye: noise makes up most of a file.
 fn coarse(gray: u8) -> Color {
     [gray / 2 * 2 + gray / 128; 3]
 }
 
-/// The difference with the brightest shade. Larger ones look the same.
+/// Smallest difference that is drawn at full brightness.
 const BRIGHTEST: u8 = 127;
 
-/// The shade of a difference. It rises steeply at first, because most differences are small.
+/// Returns the brightness of a difference: its square root, scaled, because most differences are small.
 fn gray(level: u8) -> u8 {
     let shade = (255 * 255 * u32::from(level) / u32::from(BRIGHTEST)).isqrt();
     u8::try_from(shade).unwrap_or(u8::MAX)

@@ -1,4 +1,4 @@
-//! Runs methods through a recording. A film has the answers for every frame, and the pictures of some.
+//! Runs tracking methods through a recording. The result, a film, has their answers in every frame and some pictures.
 
 use super::player_frames::Pictures;
 use super::search::{self, Looking, Sight};
@@ -12,9 +12,9 @@ use std::path::PathBuf;
 
 pub struct Film {
     pub name: String,
-    /// The methods. With several targets, each method is here once for each target, under both names.
+    /// Methods that ran. With several targets there is one entry per target and method, named after both.
     pub methods: Vec<Variant>,
-    /// The index of each method's target.
+    /// For each entry of `methods`, the index of its target in `targets`.
     pub(super) of: Vec<usize>,
     pub(super) size: (u16, u16),
     pub(super) targets: Vec<Locked>,
@@ -26,19 +26,18 @@ pub struct Film {
     pub(super) truth: Option<Vec<Option<BoundingBox>>>,
     pub(super) pictures: Option<Pictures>,
     pub(super) files: Vec<ResultFile>,
-    /// The index of each result file among all on the page.
+    /// For each entry of `files`, an index that is equal for files of the same name on the whole page.
     pub(super) places: Vec<usize>,
     pub(super) first: usize,
     /// Remarks for the reader: methods that were left out, and why.
     pub notes: Vec<String>,
 }
 
-/// A target and its locks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Locked {
     /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
-    /// The indices of frames, each with the box to lock on; `None`: the target is gone until the next box.
+    /// (frame index, box to lock on) in order; `None` if the target is gone until its next box.
     pub starts: Vec<(usize, Option<Rect>)>,
 }
 
@@ -52,7 +51,7 @@ impl Locked {
         self.starts[0].1.unwrap_or_default()
     }
 
-    /// False before the first box, and while the target is gone.
+    /// Returns false before the target's first box, and while the target is gone.
     pub fn is_there(&self, index: usize) -> bool {
         self.starts.iter().rfind(|(at, _)| *at <= index).is_some_and(|(_, bbox)| bbox.is_some())
     }
@@ -64,34 +63,33 @@ struct Pair {
     target: usize,
 }
 
-/// Treatment of a method, other than the first, that refuses the box to start from.
+/// Reaction to a method, other than the first, that refuses the start box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
     Fails,
-    /// The film is made without it, with a note.
+    /// The method is left out of the film, with a note for the reader.
     LeftOut,
 }
 
-/// Answers of all methods for one frame.
+/// Answers of all methods in one frame.
 pub struct Moment {
     /// A report for each method. It is *lost* before the first box of a target, and while the target is gone.
     pub reports: Vec<Report>,
-    /// The box to draw for each method: when lost, the last accepted one, or the one that the tracker follows meanwhile.
+    /// Box to draw for each method. While lost, it is the last accepted box or the tracker's unconfirmed one.
     pub(super) lasts: Vec<BoundingBox>,
 }
 
 pub(super) struct Still {
-    /// Index of the frame, from 0.
+    /// Frame index, from 0.
     pub index: usize,
     pub frame: GrayFrame,
     pub sights: Vec<Sight>,
 }
 
-/// Runs all `methods` on all `targets` of the sequence, or on the box beside it if there are no targets. `refusal` is for a method that
-/// refuses its box. Frames stream: only the `stills` (indices from 0) are kept and, with `budget`, small pictures of all frames in this many
-/// bytes. `progress` is called after each frame.
-///
-/// A film of several targets has no ground truth.
+/// Runs all `methods` on all `targets` of the sequence; without targets, on the sequence's start box. `refusal` decides
+/// about a method that refuses its box. Frames are not kept, except the `stills` (indices from 0) and, with `budget`,
+/// small pictures of all frames in this many bytes. `progress` is called after each frame. A film of several targets
+/// has no ground truth.
 /// Errors: No method, no box to start from, a frame that cannot be read or tracked, or a still or a box in a frame that does not exist.
 pub fn watch(
     sequence: Sequence,
@@ -179,7 +177,7 @@ fn pairs(targets: &[Locked], methods: &[Variant], first: usize) -> Result<Vec<Pa
     all.map(pair).collect()
 }
 
-/// Leaves out methods, but not the `first`, that refuse their box, and notes why.
+/// Removes the methods, except `first`, that refuse their start box. Returns a note with the reason for each.
 fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first: MethodKind) -> Vec<String> {
     let mut notes = Vec::new();
     pairs.retain_mut(|Pair { follower, variant, target }| {
@@ -196,13 +194,13 @@ fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first
 }
 
 impl Film {
-    /// The player's pictures: their number, and the longest side of one in pixels; `None` without pictures.
+    /// Returns as JSON the count of small pictures for the player and their longest side; `None` without pictures.
     pub fn pictures(&self) -> Option<Value> {
         let pictures = self.pictures.as_ref()?;
         Some(json!({ "frames": pictures.kept.len(), "longest_side": pictures.side() }))
     }
 
-    /// Adds the result files of other trackers. The files are of the whole recording, the film may be of a `part` of it.
+    /// Adds result files of other trackers. They cover the whole recording; `part` is the range that the film covers.
     pub fn compare(&mut self, files: &[PathBuf], part: Option<FrameRange>) -> Result<()> {
         for path in files {
             self.files.push(ResultFile::read(path, part, self.moments.len())?);
@@ -210,8 +208,8 @@ impl Film {
         Ok(())
     }
 
-    /// Scores of all methods by the protocol of the recordings; `None` without ground truth.
-    /// Errors: The ground truth has another length.
+    /// Returns the scores of all methods and result files; `None` without ground truth.
+    /// Errors: The ground truth has another length than the film.
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };
         let score = |(index, variant): (usize, &Variant)| {
@@ -228,17 +226,17 @@ impl Film {
         Ok(Some(Evaluation { sequence: self.name.clone(), visible, scores, failures: vec![], notes: vec![] }))
     }
 
-    /// True if a method has a target in the frame with this index.
+    /// True if the method's target is present in frame `index`: its first box was given, and it is not gone.
     pub(super) fn has(&self, method: usize, index: usize) -> bool {
         self.targets[self.of[method]].is_there(index)
     }
 
-    /// Pixels of the padding that are shown around the frame. A wide padding would leave little room for the frame.
+    /// Returns the pixels of padding to show around the frame, limited because a wide padding leaves little space.
     pub(super) fn margin(&self) -> u16 {
         self.padding.min(self.size.0.max(self.size.1) / 4)
     }
 
-    /// Returns how many pixels boxes reach over the border of the frame.
+    /// Returns the largest distance in pixels by which a box reaches over the border of the frame.
     pub(super) fn overhang(&self) -> u16 {
         let over = |bbox: BoundingBox| {
             let (right, below) = (bbox.x + bbox.width, bbox.y + bbox.height);
@@ -307,7 +305,6 @@ mod tests {
         }
     }
 
-    /// The demonstration shows this difference.
     #[test]
     fn the_robust_tracker_follows_the_car_in_the_street_and_the_papers_does_not() {
         let street = smr_recordings::open(Path::new("street"), &OpenOptions::default()).unwrap();
@@ -395,7 +392,7 @@ mod tests {
         assert!(watch(&[MethodKind::Smr, MethodKind::Robust], Refusal::LeftOut).is_err());
     }
 
-    /// Two targets, the second from the tenth frame of the part on, and the first locked on anew in the twentieth.
+    /// Target `a` starts in frame 11, is gone in frame 25 and locked again in frame 30; target `b` starts in frame 20.
     #[test]
     fn several_targets_are_followed_side_by_side() {
         let start = |frame: usize| (frame, synthetic::truth(frame - 1));

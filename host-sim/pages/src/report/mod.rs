@@ -1,4 +1,4 @@
-//! Methods side by side on recordings, as one page or as figures.
+//! Compares tracking methods on recordings, as one HTML page or as the paper's figures.
 
 mod difference;
 pub mod figures;

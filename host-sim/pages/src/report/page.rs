@@ -1,4 +1,4 @@
-//! The whole report as one HTML page that needs nothing else: `page.html` filled in, with style, scripts, pictures and figures.
+//! Renders the report as one self-contained HTML page, from the template `page.html`.
 
 use super::film::{Film, Locked};
 use super::page_data::data;
@@ -16,10 +16,10 @@ use std::fmt::Write;
 const STYLE: &str = include_str!("page.css");
 const PAGE: &str = include_str!("page.html");
 
-/// Frames for which a method must be elsewhere to have left the target. A shorter time is a stumble.
+/// Fewest wrong frames in a row after which a method counts as having left the target.
 const LEAST_PARTING: usize = 10;
 
-/// Text of the foot of the page.
+/// Title of the page, and the command line and options for its footer.
 pub struct About {
     pub title: String,
     pub command_line: String,
@@ -27,7 +27,7 @@ pub struct About {
     pub options: String,
 }
 
-/// Makes the page, in at most `budget` bytes: frames get smaller, then fewer, until it fits.
+/// Renders the page in at most `budget` bytes: pictures of frames get smaller, then fewer, until it fits.
 /// Errors: No film, ground truth of another length, a picture that cannot be encoded, or figures that alone take more than the budget.
 pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> {
     ensure!(!films.is_empty(), "there is no recording to show");
@@ -81,7 +81,7 @@ fn recording(film: &Film) -> Result<Value> {
     })
 }
 
-/// For each target, the number of frames in each state of the first method.
+/// Returns for each target the count of frames in each state of the first method.
 fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
     let of = |target: usize| {
         let method = film.of.iter().position(|of| *of == target)?;
@@ -93,7 +93,8 @@ fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
     (0..film.targets.len()).filter_map(of).collect()
 }
 
-/// The sentence on top: each method's correct frames, and where each but the best leaves the target for longest. `None` without ground truth.
+/// Returns the page's first sentence: the count of each method's correct frames, and the frame in which each but the
+/// best leaves the target for longest. `None` without ground truth.
 fn lead(film: &Film) -> Result<Option<String>> {
     let Some(Evaluation { visible, scores, .. }) = film.evaluation()? else { return Ok(None) };
     let correct = |method: usize| scores[method].1.correct;
@@ -112,9 +113,9 @@ fn lead(film: &Film) -> Result<Option<String>> {
     Ok(letters.next().map(|first| first.to_uppercase().to_string() + letters.as_str() + "."))
 }
 
-/// Returns the frame in which the method `other` leaves the target for the longest time while `best` follows it, and true if it loses it. A frame in
-/// which the target is hidden changes nothing.
-/// Errors: The ground truth has another length.
+/// Finds the longest run of frames in which `other` is wrong while `best` is correct, ignoring frames in which the
+/// target is hidden. Returns its first frame, and true if `other` is mostly *lost* in it; `None` if the run is short.
+/// Errors: The ground truth has another length than the film.
 pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
     let Some(truth) = &film.truth else { return Ok(None) };
     let of = |method: usize| overlaps(&film.trajectory(method), truth);
@@ -129,7 +130,7 @@ pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<(
     Ok((longest.len() >= LEAST_PARTING).then_some((longest.start, 2 * lost > longest.len())))
 }
 
-/// `car: 40x48 at (150, 100), gone in frame 200, 40x48 at (170, 90) in frame 300`
+/// Formats a target's locks as `car: 40x48 at (150, 100), gone in frame 200, 40x48 at (170, 90) in frame 300`.
 fn starts(film: &Film, target: &Locked) -> String {
     let start = |&(index, bbox): &(usize, Option<Rect>)| {
         let frame = if index == 0 { String::new() } else { format!(" in frame {}", index + film.first) };
@@ -165,7 +166,7 @@ mod tests {
         About { title: "<b>&".into(), command_line: "host-sim report '<i>'".into(), options: "{}".into() }
     }
 
-    /// Every tag that is opened is closed, in the right order.
+    /// Checks that every tag is closed, in the right order.
     fn nests(page: &str) {
         let mut open = Vec::new();
         let page = page.split("<script").next().unwrap();

@@ -1,4 +1,4 @@
-//! Data for the script of the page, as JSON: boxes, figures and pictures of every frame.
+//! Data for the script of the report, as JSON: boxes, scores and pictures of every frame.
 
 use super::difference::{BAR, BARS};
 use super::film::{Film, Locked, Moment};
@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 use smr_evaluation::{Evidence, Report, centre_errors, name_of, overlaps};
 use smr_recordings::BoundingBox;
 
-/// Makes the JSON for a page. No text in it can end the element that contains it.
-/// Errors: The ground truth has another length.
+/// Returns the JSON of all films, with `<` escaped so that no text can end the enclosing HTML element.
+/// Errors: The ground truth has another length than the film.
 pub(super) fn data(films: &[Film]) -> Result<String> {
     let recordings = films.iter().map(recording).collect::<Result<Vec<_>>>()?;
     let data = json!({ "bar": BAR, "bars": BARS, "recordings": recordings });
@@ -53,7 +53,6 @@ fn truth_of(truth: &[Option<BoundingBox>]) -> Value {
     })
 }
 
-/// The name of a target, and the numbers of the frames in which it is locked on.
 fn target_of(film: &Film, target: &Locked) -> Value {
     let locks = target.starts.iter().filter(|(_, bbox)| bbox.is_some()).map(|(index, _)| index + film.first);
     json!({ "name": target.name, "locks": locks.collect::<Vec<_>>() })
@@ -78,7 +77,7 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
         let lost = moment.reports[method].target.is_none() && film.has(method, index);
         of_box(lost.then(|| &moment.lasts[method]))
     });
-    // Null before the target's first box, and while it is gone.
+    // The state is null before the target's first box, and while the target is gone.
     let states =
         of_each(&|method, index, moment| film.has(method, index).then(|| name_of(moment.reports[method].state)).into());
     Ok(json!({
@@ -112,7 +111,7 @@ fn boxes(of: &[Option<BoundingBox>]) -> Vec<Value> {
     of.iter().map(|bbox| of_box(bbox.as_ref())).collect()
 }
 
-/// The square root of the area of each box.
+/// Returns the square root of each box's area, in pixels.
 fn sizes(of: &[Option<BoundingBox>]) -> Vec<Value> {
     rounded(of.iter().map(|bbox| bbox.map(|bbox| (bbox.width * bbox.height).max(0.0).sqrt())), 1)
 }
@@ -121,7 +120,7 @@ fn rounded(values: impl Iterator<Item = Option<f64>>, digits: i32) -> Vec<Value>
     values.map(|value| value.map_or(Value::Null, |value| round(value, digits))).collect()
 }
 
-/// Rounds. A whole number has no fraction, which is shorter.
+/// Rounds to `digits` decimals. An integral value is written without a fraction, which is shorter.
 pub(super) fn round(value: f64, digits: i32) -> Value {
     let unit = 10_f64.powi(digits);
     let value = (value * unit).round() / unit;

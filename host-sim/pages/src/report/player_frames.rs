@@ -1,4 +1,5 @@
-//! Every frame of a recording as small pictures, within a number of bytes: beyond it frames get smaller, then fewer.
+//! Small pictures of a recording's frames for the report's player, within a byte budget: beyond it, they get smaller,
+//! then fewer.
 
 use super::difference::{BARS, differences, patch};
 use super::page_data::round;
@@ -8,16 +9,16 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use smr_recordings::{ColorFrame, GrayFrame, decode_colors};
 
-/// The longest side of a frame in a page, however large the budget is.
+/// Longest side of a picture in pixels, however large the budget is.
 const LARGEST: u16 = 960;
-/// Frames are made smaller while their longest side is above; then every other one is left out.
+/// Longest side in pixels at which pictures are no longer scaled down; instead, every other one is removed.
 const SMALL: u16 = 320;
-/// The longest side of a template and of its difference map; of a larger one every second, third, ... pixel is shown.
+/// Longest side in pixels of a template or difference map; a larger one is subsampled by 2, 3, ...
 const LARGEST_PATCH: u16 = 64;
 
-/// The kept frames, and the comparisons of the methods in them.
+/// Pictures of some or all frames, with the pixels that the methods compared there.
 pub(super) struct Pictures {
-    /// The most bytes that they may take in the page.
+    /// Most bytes of all pictures in the page.
     limit: usize,
     side: u16,
     /// Only frames whose index is a multiple of this are kept.
@@ -27,10 +28,10 @@ pub(super) struct Pictures {
 
 pub(super) struct Picture {
     index: usize,
-    /// The longest side of a kept frame.
+    /// Longest side of the JPEG in pixels.
     side: u16,
     pub jpeg: Vec<u8>,
-    /// The comparisons of each method, for the script of the page; null where nothing was compared. `compared` counts their bytes.
+    /// Each method's template and difference map as JSON, null where nothing was compared. `compared` is their bytes.
     pub comparisons: Vec<Value>,
     compared: usize,
 }
@@ -40,7 +41,7 @@ impl Pictures {
         Self { limit, side: LARGEST, every: 1, kept: Vec::new() }
     }
 
-    /// Keeps frame `index` if `every` divides it, and shrinks the pictures while they exceed the limit.
+    /// Adds frame `index` if it is a multiple of `every`, and shrinks the pictures while they exceed the limit.
     pub fn offer(&mut self, index: usize, frame: &ColorFrame, sights: &[Sight]) -> Result<()> {
         if !index.is_multiple_of(self.every) {
             return Ok(());
@@ -54,17 +55,17 @@ impl Pictures {
         Ok(())
     }
 
-    /// Bytes in the page, where base64 makes 4 characters of 3 bytes.
+    /// Returns the bytes of all pictures in the page, where base64 encodes 3 bytes as 4 characters.
     pub fn bytes(&self) -> usize {
         self.kept.iter().map(|picture| picture.jpeg.len().div_ceil(3) * 4 + picture.compared).sum()
     }
 
-    /// The longest side of the frames that are kept; 0 if there are none.
+    /// Returns the longest side of a picture in pixels; 0 if there are none.
     pub fn side(&self) -> u16 {
         self.kept.first().map_or(0, |first| first.side)
     }
 
-    /// Makes the frames smaller, or fewer; false if neither is possible.
+    /// Halves the side of the pictures or, at the smallest side, their count; returns false if neither is possible.
     pub fn shrink(&mut self) -> Result<bool> {
         let side = self.side();
         if side > SMALL {
@@ -88,7 +89,7 @@ fn small(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
     encode::color_jpeg(&encode::within(frame, side), encode::ENOUGH)
 }
 
-/// Returns the template, the difference and its figures, and the number of bytes that they take in the page.
+/// Returns the template, the difference map and its histogram as JSON, and their bytes in the page.
 fn comparison(sight: &Sight) -> Result<(Value, usize)> {
     let Some(Search { difference, alpha }) = &sight.search else { return Ok((Value::Null, 0)) };
     let template = patch(&thinned(&difference.template))?;
@@ -99,7 +100,7 @@ fn comparison(sight: &Sight) -> Result<(Value, usize)> {
         "histogram": difference.histogram().map(|part| (part * 1000.0).round()).to_vec(),
         "counting": alpha.map(|alpha| round(difference.counting(alpha), 3)),
     });
-    // Six characters for each bar of a histogram.
+    // A bar of the histogram takes up to six characters.
     Ok((compared, (template.len() + map.len()).div_ceil(3) * 4 + 6 * BARS))
 }
 

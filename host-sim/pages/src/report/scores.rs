@@ -1,4 +1,4 @@
-//! The scores of all methods: the tables and plots of the page, for its template.
+//! Score tables and plots of the report, as JSON for its template.
 
 use super::film::Film;
 use super::trackers::{Entrant, entrants};
@@ -18,17 +18,18 @@ struct Scored {
     curves: Curves,
 }
 
-/// An entrant with its scores in each recording.
+/// An entrant (a method or a result file) with its scores in each recording.
 type Row<'a> = (&'a Entrant, Vec<Option<&'a Scored>>);
 
-/// Returns the values that a mean is over, without recordings in which the target is never visible. `None` if another recording has no score.
+/// Returns the values to average over the recordings, without those in which the target is never visible; `None` if any
+/// recording lacks a score.
 fn known<'a, T>(scored: &[Option<&'a Scored>], of: impl Fn(&'a Scored) -> T) -> Option<Vec<T>> {
     let known = scored.iter().filter(|one| one.is_none_or(|one| one.score.visible > 0));
     known.map(|one| Some(of((*one)?))).collect()
 }
 
 impl<'a> Measured<'a> {
-    /// `None` without ground truth.
+    /// Computes the scores of all entrants of a film; `None` without ground truth.
     pub fn new(film: &'a Film) -> Result<Option<Self>> {
         let (Some(evaluation), Some(truth)) = (film.evaluation()?, &film.truth) else { return Ok(None) };
         let scored = entrants(film).into_iter().zip(evaluation.scores).map(|(entrant, (_, score))| {
@@ -51,7 +52,7 @@ impl<'a> Measured<'a> {
     }
 }
 
-/// Returns the tables and plots: of all recordings, and of each of several by its name. `None` without a recording.
+/// Returns the table and plots over all recordings and, if there are several, a table for each. `None` without any.
 pub(super) fn scores<'a>(measured: &'a [Measured<'a>]) -> Option<Value> {
     let rows = rows(measured);
     let (table, each) = match measured {
@@ -91,7 +92,7 @@ fn across<'a>(measured: &[Measured<'a>], rows: &[Row<'a>]) -> Value {
     table(caption, columns, &rows.iter().map(line).collect::<Vec<_>>())
 }
 
-/// Makes a table. A column has a title, a number of digits, and true if a larger value is better.
+/// Returns a table as JSON. A column is (title, decimals, true to mark its largest value as the best).
 fn table(
     caption: &str,
     columns: impl Iterator<Item = (String, usize, bool)>,
@@ -110,7 +111,7 @@ fn table(
     })
 }
 
-/// Means over the recordings, for the entrants that are in all of them.
+/// Returns the success and the precision plot: mean curves over the recordings, of entrants that are in all of them.
 fn plots<'a>(rows: &[Row<'a>]) -> [Value; 2] {
     let mean = |(entrant, scored): &Row<'a>| Some((*entrant, Curves::mean(&known(scored, |one| &one.curves)?)?));
     let means: Vec<(&Entrant, Curves)> = rows.iter().filter_map(mean).collect();

@@ -1,4 +1,4 @@
-//! A method's box in a frame, believed or not, and the pixels that it compared.
+//! Runs a tracking method and records, for each frame, its box (accepted or not) and the pixels that it compared.
 
 use super::difference::Difference;
 use anyhow::{Context, Result};
@@ -9,25 +9,25 @@ use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, free_gain, relit, threshold};
 
 pub struct Sight {
-    /// The method's box; when lost, the last accepted one, or the one that the tracker follows meanwhile.
+    /// Box of the method. While lost, it is the last accepted box or the tracker's unconfirmed one.
     pub bbox: BoundingBox,
-    /// `None` in the frame of a lock, which needs no search.
+    /// Compared pixels; `None` in the frame of a lock, which needs no search.
     pub search: Option<Search>,
 }
 
 pub struct Search {
-    /// The difference from the template: for smr at the peak, even if the gate refused it; for the robust tracker in its box, from
-    /// the early template; for a baseline in its box.
+    /// Difference from the template: for smr at its best position, accepted or not; for a baseline in its box; for the
+    /// robust tracker in its box, from the template of the first frames.
     pub difference: Difference,
-    /// Smaller differences count; `None` if all count.
+    /// Threshold below which a difference counts; `None` if all count.
     pub alpha: Option<u16>,
 }
 
-/// A tracker that keeps what it compares.
+/// A tracker that records what it compares in each frame.
 pub(super) struct Looking {
     kind: MethodKind,
     tracker: Looked,
-    /// The sight of the last frame, until it is taken.
+    /// Box and compared pixels of the last frame, until the caller takes them.
     pub sight: Option<Sight>,
 }
 
@@ -38,10 +38,10 @@ enum Looked {
 }
 
 impl Looking {
-    /// Errors: A number of the configuration that smr-core cannot use.
+    /// Errors: smr-core rejects a parameter of the configuration.
     pub fn new(variant: &Variant) -> Result<Self> {
         let mut configs = variant.configs;
-        // The page draws the runner-up. To search it in every frame changes nothing else.
+        // The page plots the runner-up's score, so it is computed in every frame; answers stay the same.
         configs.paper.runner_up_always = true;
         let tracker = match variant.kind {
             MethodKind::Smr => Looked::Paper(Box::new(Tracker::with(configs.paper)?)),
@@ -79,7 +79,7 @@ impl Method for Looking {
     }
 }
 
-/// A frame without an answer; the first box of the target is `start`.
+/// Returns a *lost* report for a frame in which the target is not present; the box to draw is its first one, `start`.
 pub(super) fn not_begun(start: Rect) -> (Report, Sight) {
     let report = Report { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
     (report, Sight { bbox: start.into(), search: None })
@@ -97,7 +97,8 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Sig
     Ok((report, Sight { bbox: answer.bbox.into(), search: Some(search) }))
 }
 
-/// The robust tracker compares on its grid: the patch in its box with the early template in the light of that patch.
+/// Updates the tracker and repeats its comparison: samples its box on the tracker's grid, and adapts the early template
+/// to the brightness of the sample.
 fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Sight)> {
     let grid = tracker.target().grid().context("there is no grid yet")?;
     let early = tracker.target().early_template().context("there is no early template yet")?;
@@ -106,7 +107,7 @@ fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, S
     let answer = tracker.update(&frame.frame())?;
     let work = tracker.work();
     let target = BoundingBox::from(answer.fine);
-    // The template lies where the target was followed to, not in the middle of the refined box.
+    // The template's centre is the tracked position, not the centre of the refined box.
     let followed = BoundingBox::from(followed(tracker.target()).unwrap_or(answer.fine));
     let step = f64::from(grid.step) / 4096.0 * f64::from(answer.scale) / 65536.0;
     let lattice = Lattice {

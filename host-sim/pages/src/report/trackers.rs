@@ -1,5 +1,5 @@
-//! The entrants of a page: the methods that ran here, then the result files of other trackers. Their titles, and the colors and dashes by which
-//! boxes, curves and legends tell them apart.
+//! The entrants of a report: the methods that ran, then the result files of other trackers. Each has titles and a look:
+//! a color and dashes that distinguish its boxes and curves.
 
 use super::film::Film;
 use crate::colors::{Color, TRUTH};
@@ -10,9 +10,8 @@ use smr_recordings::BoundingBox;
 #[derive(Serialize)]
 pub(super) struct Entrant {
     pub name: String,
-    /// Title on the page.
     pub title: String,
-    /// Short title, for places with little room.
+    /// Short title, where there is little space.
     pub short: String,
     pub look: usize,
     #[serde(skip)]
@@ -21,7 +20,7 @@ pub(super) struct Entrant {
     pub method: Option<usize>,
 }
 
-/// Names a method, after the name of its target if it has one.
+/// Returns a method's title after its target's name, if it has one; `words` is `TITLE`, `SHORT` or `SENTENCE`.
 pub(super) fn titled(film: &Film, method: usize, words: usize) -> String {
     let title = METHODS[look_of_method(film.methods[method].kind)].2[words];
     let name = film.targets[film.of[method]].name.as_ref();
@@ -33,7 +32,7 @@ pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
         name: method.name.clone(),
         title: titled(film, index, TITLE),
         short: titled(film, index, SHORT),
-        // With several targets each method has its own look.
+        // With several targets, each pair of target and method has its own color and dashes.
         look: if film.targets.len() == 1 { look_of_method(method.kind) } else { look_of_file(index) },
         answers: film.trajectory(index),
         method: Some(index),
@@ -49,7 +48,7 @@ pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
     methods.chain(files).collect()
 }
 
-/// Gives a tracker the same look on the whole page: files of one name share the index of the first, in any film.
+/// Gives result files of the same name the same index in all films, and thus the same color and dashes.
 pub(super) fn place_files(films: &mut [Film]) {
     let mut names: Vec<String> = Vec::new();
     for film in films {
@@ -63,17 +62,17 @@ pub(super) fn place_files(films: &mut [Film]) {
     }
 }
 
-/// The index of the ground truth's look.
+/// Index in [`looks`] of the ground truth.
 pub(super) const TRUTH_LOOK: usize = LOOKS - 1;
 const LOOKS: usize = METHODS.len() + FILES.len() + 1;
 
-// Indices of a method's words: on the page, where there is little room, in a sentence.
+// Indices of a method's titles in `METHODS`: full, short, and within a sentence.
 pub(super) const TITLE: usize = 0;
 const SHORT: usize = 1;
 pub(super) const SENTENCE: usize = 2;
 
-/// The color and the words of each method, in the order of the looks. The paper's colors, SMR red and SAD blue, must be told from each other on
-/// any frame, and from the states'.
+/// Color and titles (full, short, within a sentence) of each method. SMR is red and SAD blue, as in the paper; they
+/// must be distinct from each other on any frame, and from the colors of states.
 const METHODS: [(MethodKind, Color, [&str; 3]); 6] = [
     (MethodKind::Robust, [255, 130, 220], ["Robust tracker", "Robust", "the robust tracker"]),
     (MethodKind::Smr, [255, 64, 64], ["Paper's tracker (SMR, 2013)", "Paper", "the paper's tracker of 2013"]),
@@ -83,7 +82,7 @@ const METHODS: [(MethodKind, Color, [&str; 3]); 6] = [
     (MethodKind::Lk, [235, 235, 235], ["LK"; 3]),
 ];
 
-/// The colors of result files, in turn. They were chosen one after the other, each as far as possible from all before.
+/// Colors of result files. Each was chosen as different as possible from all before it.
 const FILES: [Color; 14] = [
     [165, 0, 240],
     [150, 90, 30],
@@ -101,20 +100,20 @@ const FILES: [Color; 14] = [
     [15, 105, 195],
 ];
 
-/// Dashes and gaps in pixels of the screen. Shorter ones mean something else: a lost target, a runner-up.
+/// Lengths of dashes and gaps in screen pixels. Shorter ones are reserved for lost targets and runners-up.
 const DASHES: [&[u8]; 5] = [&[], &[14, 5], &[12, 4, 2, 4], &[22, 4, 8, 4], &[12, 3, 2, 3, 2, 3]];
 
-/// Background of curves, in the light and in the dark: see base.css.
+/// Background of plots in the light and in the dark theme, as in base.css.
 const PANELS: [Color; 2] = [[244, 246, 247], [30, 34, 38]];
-/// The least contrast of a curve with what it is drawn on, as WCAG 2 asks for graphics.
+/// Least contrast ratio of a curve with its background, as WCAG 2 requires for graphics.
 const CONTRAST: f64 = 3.0;
 
 #[derive(Serialize)]
 pub(super) struct Look {
     color: Color,
-    /// The color, changed as little as a light page needs.
+    /// `color`, darkened as little as the contrast on a light page requires.
     on_light: Color,
-    /// The color, changed as little as a dark page needs.
+    /// `color`, lightened as little as the contrast on a dark page requires.
     on_dark: Color,
     dashes: &'static [u8],
 }
@@ -138,12 +137,12 @@ pub(super) fn color_of_method(kind: MethodKind) -> Color {
     METHODS[look_of_method(kind)].1
 }
 
-/// The index of a result file's look.
+/// Returns the index in [`looks`] of a result file; colors repeat.
 const fn look_of_file(index: usize) -> usize {
     METHODS.len() + index % FILES.len()
 }
 
-/// Moves `color` toward `end`, just far enough to stand out from `panel`.
+/// Blends `color` toward `end`, just far enough for the contrast with `panel`.
 fn seen(color: Color, end: Color, panel: Color) -> Color {
     let nearer = |percent: u32| {
         let mixed = |at: usize| (u32::from(color[at]) * (100 - percent) + u32::from(end[at]) * percent) / 100;
@@ -152,7 +151,7 @@ fn seen(color: Color, end: Color, panel: Color) -> Color {
     (0..=100).map(nearer).find(|color| contrast(*color, panel) >= CONTRAST).unwrap_or(end)
 }
 
-/// The contrast of WCAG 2: 1 for equal colors, 21 for black and white.
+/// Returns the contrast ratio of WCAG 2: 1 for equal colors, 21 for black and white.
 fn contrast(one: Color, other: Color) -> f64 {
     let (one, other) = (luminance(one), luminance(other));
     (one.max(other) + 0.05) / (one.min(other) + 0.05)

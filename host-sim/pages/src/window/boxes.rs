@@ -1,11 +1,11 @@
-//! Boxes that are read in as locks: CSV as `track` writes it, and CVAT XML for video.
+//! Reads locks (boxes that trackers start from) from CSV as `host-sim track` writes it, or from CVAT XML for video.
 
 use super::{Lock, Target};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use smr_recordings::{BoundingBox, checked_name};
 
-/// Returns the targets in a text.
-/// Errors: It is neither CSV nor CVAT XML, a line of it is wrong, or there is no box.
+/// Parses CSV or CVAT XML into targets with their locks.
+/// Errors: The text is neither CSV nor CVAT XML, a line is wrong, or there is no box to lock on.
 pub fn read(text: &str) -> Result<Vec<Target>> {
     let text = text.trim_start_matches('\u{feff}');
     let read = if text.trim_start().starts_with('<') { of_cvat(text)? } else { of_csv(text)? };
@@ -18,7 +18,7 @@ pub fn read(text: &str) -> Result<Vec<Target>> {
     Ok(targets)
 }
 
-/// A target whose text is being read.
+/// A target during parsing: its locks so far, and the last frame that had a line.
 struct Reading {
     name: String,
     locks: Vec<Lock>,
@@ -30,7 +30,7 @@ impl Reading {
         Self { name, locks: Vec::new(), last: 0 }
     }
 
-    /// Goes on to a frame. Returns the frame of the line before, 0 for the first line.
+    /// Advances to `frame`, which must be later than the target's previous frame. Returns the previous one, 0 at first.
     fn go_to(&mut self, frame: usize) -> Result<usize> {
         let before = std::mem::replace(&mut self.last, frame);
         ensure!(before < frame, "frame {frame} of {} comes behind frame {before}: expected frames in order", self.name);
@@ -43,7 +43,7 @@ impl Reading {
         Ok(())
     }
 
-    /// Takes the target out from a frame on, if it is there.
+    /// Marks the target as gone from `frame` on, if its last lock has a box.
     fn leave(&mut self, frame: usize) {
         if self.locks.last().is_some_and(|last| last.bbox.is_some()) {
             self.locks.push(Lock::new(frame, None));
@@ -51,7 +51,7 @@ impl Reading {
     }
 }
 
-/// The columns that CSV must have.
+/// Required columns of the CSV, in any order.
 const COLUMNS: [&str; 5] = ["frame", "x", "y", "width", "height"];
 
 fn row(names: &[&str], line: &str, all: &mut Vec<Reading>) -> Result<()> {
@@ -76,8 +76,9 @@ fn row(names: &[&str], line: &str, all: &mut Vec<Reading>) -> Result<()> {
     if has_none { Ok(()) } else { all[at].lock(frame, bbox.join(",").parse()?) }
 }
 
-/// Reads CSV. A row with a confidence is a tracker's answer: it follows from the boxes before it, and a lock there would end
-/// each correction in the next frame. All other rows with a box are locks. If rows have states, the target is gone in frames without a row.
+/// Parses CSV. A row with a box and no confidence becomes a lock. A row with a confidence is a tracker's answer and is
+/// skipped, because a lock in each of them would end every correction after one frame. If there is a column `state`,
+/// the target is gone in frames without a row.
 fn of_csv(text: &str) -> Result<Vec<Reading>> {
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
     let (number, head) = lines.next().context("it is empty: expected CSV or CVAT XML")?;
@@ -94,7 +95,8 @@ fn of_csv(text: &str) -> Result<Vec<Reading>> {
     Ok(all)
 }
 
-/// Reads CVAT XML for video: a key frame of a track is a lock, or with `outside` the target is gone. The `source` of a tracker's answer is auto.
+/// Parses CVAT XML for video. A key frame of a track becomes a lock or, with `outside`, marks the target as gone.
+/// Boxes with `source="auto"` are trackers' answers and are skipped.
 fn of_cvat(text: &str) -> Result<Vec<Reading>> {
     let mut all: Vec<Reading> = Vec::new();
     for (line, tag) in tags(text) {
@@ -112,7 +114,7 @@ fn of_cvat(text: &str) -> Result<Vec<Reading>> {
     Ok(all)
 }
 
-/// Reads the beginning of a track. Tracks with one label get numbers.
+/// Parses the start tag of a track. Tracks with the same label are numbered: `car`, `car-2`.
 fn track(tag: &str, others: &[Reading]) -> Result<Reading> {
     let plain = |letter: char| if letter.is_alphanumeric() || "-_.".contains(letter) { letter } else { '_' };
     let label: String = attribute(tag, "label")?.chars().map(plain).collect();
@@ -143,7 +145,7 @@ fn key(tag: &str, track: &mut Reading) -> Result<()> {
     track.lock(frame, BoundingBox { x, y, width: number("xbr")? - x, height: number("ybr")? - y })
 }
 
-/// Returns the tags of a text, each from its name on, with the number of its line.
+/// Returns (line number, tag) for each XML tag: its text between `<` and `>`.
 fn tags(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut line = 1;
     let parts = text.split('<').map(move |part| {

@@ -1,8 +1,8 @@
-//! A camera as the source of a window: frames come in real time, and the last minutes are kept.
+//! A camera as the source of the window: frames arrive in real time, and the last minutes are kept.
 //!
-//! Frames have the numbers of the source, which also counts frames that nobody could take. Trackers get the newest
-//! frame; a frame that comes while they are busy is dropped and counted, but its picture is kept. A lock in a frame of
-//! the last seconds is followed from there through every frame, until the tracker has caught up.
+//! Frames have the numbers of the source, which also counts frames that it dropped. Trackers get the newest frame; a
+//! frame that arrives while they are busy is skipped and counted, but its JPEG is kept. A tracker locked in a frame of
+//! the last seconds gets every frame from there on, until it has caught up.
 
 use super::kept::Kept;
 use super::{Known, LiveState, SIDE, Source, lock};
@@ -14,12 +14,12 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The most bytes of gray frames: seven seconds of 640x480 at 30 frames a second.
+/// Most bytes of cached gray frames: seven seconds of 640x480 at 30 frames a second.
 const MOST_GRAY: usize = 64 << 20;
-/// The most bytes of pictures: some minutes.
+/// Most bytes of cached JPEGs: some minutes.
 const MOST_PICTURES: usize = 160 << 20;
 
-/// The number of a frame, and its colors in one of two forms.
+/// Frame number, and the frame's colors either as luma and chroma planes or as RGB.
 type Colors = (usize, Option<Planes>, Option<ColorFrame>);
 
 /// A camera, read by a thread of its own.
@@ -41,7 +41,6 @@ struct State {
     gray: Kept<Came>,
     pictures: Kept<Arc<Vec<u8>>>,
     newest: usize,
-    /// Frames that came while targets were followed, and that no tracker got.
     dropped: usize,
     latency_ms: f64,
     /// Reason why the source ended; `None` while frames come.
@@ -62,7 +61,7 @@ impl State {
         }
     }
 
-    /// Returns the number of the oldest gray frame that is kept.
+    /// Returns the number of the oldest cached gray frame, or of the next frame if there is none.
     fn oldest_gray(&self) -> usize {
         self.gray.all().first_key_value().map_or(self.newest + 1, |(first, _)| *first)
     }
@@ -86,7 +85,7 @@ impl Shared {
                     kept.gray.keep(number, Came { gray, seconds, arrived: Instant::now() });
                     drop(kept);
                     self.came.notify_all();
-                    // While one picture is encoded, the pictures of later frames are left out.
+                    // While the JPEG encoder is busy, frames get no JPEG.
                     if let Err(TrySendError::Disconnected(_)) = pictures.try_send((number, planes, color)) {
                         break;
                     }
@@ -108,7 +107,7 @@ impl Shared {
         }
     }
 
-    /// Waits for the frame that trackers get next; `None` if there will be none.
+    /// Waits for the frame that the trackers get next; `None` if there will be none.
     fn next(&self, reader: &mut Reader) -> Option<Result<Frame>> {
         let mut kept = self.kept();
         if let Some(arrived) = reader.arrived {
@@ -135,7 +134,7 @@ impl Shared {
         let (number, Came { gray, seconds, arrived }) =
             next.filter(|_| !reader.has_caught_up).or(all.last_key_value())?;
         let frame = Frame::new(reader.next.max(*number), *seconds, gray.clone());
-        // Nobody followed the frames that came before the pass.
+        // Frames before the reader's first one are not missed, because no target was tracked then.
         let missed = reader.arrived.map_or(0, |_| frame.number - reader.next);
         (reader.next, reader.arrived) = (frame.number + 1, Some(*arrived));
         kept.dropped += missed;
@@ -143,13 +142,13 @@ impl Shared {
     }
 }
 
-/// The state of one pass of the trackers over the frames.
+/// A reader of the camera's frames for the trackers, from one start frame on.
 #[derive(Default)]
 struct Reader {
     next: usize,
-    /// True once the pass has waited for a frame: from then on it gets only the newest.
+    /// True once the trackers have waited for a frame; from then on they get only the newest one.
     has_caught_up: bool,
-    /// Arrival of the frame that was answered last.
+    /// Arrival time of the last frame given to the trackers; `None` before the first.
     arrived: Option<Instant>,
     has_told: bool,
 }
@@ -192,7 +191,7 @@ impl Source for Camera {
         self.0.kept().oldest_gray()
     }
 
-    /// Returns the picture of the frame, or of the one before if it has none.
+    /// Returns the JPEG of the frame or, if it has none, of the nearest frame before it.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         let kept = self.0.kept();
         let nearest = kept.pictures.all().range(..=number).next_back();
@@ -249,7 +248,7 @@ mod tests {
         let mut next = || {
             seen.next().unwrap().map(|Frame { number, seconds, gray, .. }| (number, gray.pixels[0], seconds.unwrap()))
         };
-        // A lock in an older frame is followed through all frames.
+        // A tracker locked in an older frame gets every frame.
         assert_eq!((next().unwrap(), next().unwrap()), ((2, 2, 2.0), (3, 3, 3.0)));
         sender.send(Ok(frame(4))).unwrap();
         wait_for(&camera, 4);

@@ -1,11 +1,11 @@
-//! Following: the answers of each target, and the thread that finds them.
+//! Runs the trackers of the window in a thread, and stores their answers.
 //!
-//! A target is locked in one or more frames. A [`Segment`] holds its answers from one lock to the next. A correction
-//! makes one new segment; the other segments keep their answers. Unused segments are kept for a while, for undo.
+//! A target is locked on a box in one or more frames. A [`Segment`] holds its answers from one lock to the next. A
+//! correction creates one new segment; the other segments keep their answers. Unused segments are kept for undo.
 //!
-//! The thread makes passes: it reads on from the earliest frame that lacks an answer, and asks the segments that wait
-//! for each frame. After a lock in an earlier frame, the next pass begins there. If frames end or fail, the segments
-//! that waited for the next frame are not tried again before a change.
+//! The thread reads frames in passes. A pass starts at the earliest frame that lacks an answer, and runs the trackers
+//! that need each frame. A lock in an earlier frame starts a new pass there. If frames end or fail, segments that
+//! need later frames wait for the next change.
 
 use super::news::{News, Part};
 use super::{Known, Source, lock};
@@ -20,16 +20,16 @@ use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// A target of the page.
+/// An object to track, with the boxes that the user drew.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Target {
-    /// Number given by the page, never used for another target.
+    /// Identifier assigned by the page, never reused for another target.
     pub id: u32,
     pub name: String,
     pub locks: Vec<Lock>,
 }
 
-/// A box that the target is locked on, or the first frame that it is gone from.
+/// A frame in which the user drew the target's box, or from which on the target is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lock {
     pub frame: usize,
@@ -39,7 +39,7 @@ pub struct Lock {
 }
 
 impl Target {
-    /// True if two pages gave one id to different targets: they share neither name nor lock.
+    /// True if two pages gave the same id to different targets, which share neither name nor lock.
     fn is_another(&self, other: &Self) -> bool {
         self.id == other.id
             && self.name != other.name
@@ -58,7 +58,7 @@ impl Lock {
     }
 }
 
-/// Errors: A box is not wholly inside frames of this width and height.
+/// Returns an error if a non-empty box is not wholly inside frames of this width and height.
 pub fn check_inside<'a>(locks: impl IntoIterator<Item = &'a Lock>, (width, height): (u16, u16)) -> Result<()> {
     let frame = Rect { x: 0, y: 0, width, height };
     for (rect, number) in locks.into_iter().filter_map(|lock| Some((lock.rect()?, lock.frame))) {
@@ -74,33 +74,33 @@ pub fn check_inside<'a>(locks: impl IntoIterator<Item = &'a Lock>, (width, heigh
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     pub report: Report,
-    /// The answer's box, or the last one if the target is lost.
+    /// Box to draw: the answer's, or the last known one if the target is lost.
     pub shown: BoundingBox,
-    /// Quality of the target, only in a frame that it was locked on.
+    /// Suitability of the target for tracking; only in the frame of a lock.
     pub quality: Option<Quality>,
-    /// Time in seconds at which a camera's frame came.
+    /// Time of the frame in seconds, if known.
     pub time: Option<f64>,
 }
 
-/// Identifies a segment: its target, its lock, and the settings of the tracker.
+/// Identifies a segment by its target, its lock, and the settings of the tracker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Key {
     target: u32,
     lock: (usize, Rect),
-    /// Index of the trackers' settings in [`State::editions`].
+    /// Index in [`State::editions`] of the tracker's settings.
     edition: usize,
 }
 
 struct Segment {
-    /// Frame of the first row: the lock's, or a later one after rows of a camera were dropped.
+    /// Frame of the first row: the lock's frame, or a later one after a camera's old rows were dropped.
     first: usize,
-    /// A row for each frame, with the position of its last change; positions grow. `None`: the frame was dropped.
+    /// One row per frame, with its log position in [`News`], in ascending order; `None` if the frame was dropped.
     rows: VecDeque<(u64, Option<Row>)>,
     /// True if the tracker refused a frame, or a camera no longer keeps the lock's frame. No answers follow.
     failed: bool,
-    /// True if a pass ended before the frame that this segment waits for.
+    /// True if the frames ended before the one that this segment needs next.
     in_vain: bool,
-    /// [`State::changes`] when a target last used this segment.
+    /// Value of [`State::changes`] when a target last used this segment.
     used: u64,
 }
 
@@ -109,7 +109,7 @@ impl Segment {
         self.first + self.rows.len()
     }
 
-    /// Returns the indices in `rows` of the frames from `from` on and before `end`.
+    /// Returns the indices in `rows` of the frames `from..end`.
     fn places(&self, from: usize, end: usize) -> Range<usize> {
         let place = |frame: usize| frame.saturating_sub(self.first).min(self.rows.len());
         place(from)..place(end).max(place(from))
@@ -121,42 +121,43 @@ impl Segment {
     }
 }
 
-/// Most unused segments that are kept for undo and redo; [`SPARE_ROWS`] limits their rows.
+/// Most unused segments (answers from one lock to the next) kept for undo; [`SPARE_ROWS`] limits their rows.
 const SPARE: usize = 24;
 const SPARE_ROWS: usize = 1 << 18;
 const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
-/// Longest gap in frames that a pass reads through; a longer one is skipped by a seek.
+/// Longest run of unneeded frames that is read and discarded; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
-/// The most trackers of a recording that are kept for segments with all their answers: a file of boxes may have a lock in each frame.
+/// Most trackers in memory; beyond it, those without missing answers are dropped. A file of boxes may have a lock in
+/// each frame, and each lock has its own tracker.
 const MOST_TRACKERS: usize = if cfg!(test) { 8 } else { 64 };
-/// Most rows that a segment of a camera keeps: five minutes at 60 frames a second.
+/// Most answers per segment of a camera: five minutes at 60 frames a second.
 const MOST_LIVE_ROWS: usize = 18_000;
 
 struct State {
     targets: Vec<Target>,
     variant: Variant,
-    /// All settings that were in use, so that a return to one finds its answers.
+    /// All tracker settings used so far, so that switching back finds the earlier answers.
     editions: Vec<Origin>,
     edition: usize,
     segments: HashMap<Key, Segment>,
     changes: u64,
     news: News,
-    /// Number of the last frame, once a pass has found that no more follow.
+    /// Last frame of the recording, once reading has reached its end.
     end: Option<usize>,
     seen: usize,
     damaged: Option<usize>,
-    /// Frame being followed, and the frames followed a second.
+    /// Frame being tracked, and the speed in frames a second.
     at: Option<(usize, f64)>,
     stopped: bool,
 }
 
-/// The targets of a window and their answers.
+/// The targets of a window and their answers, shared by the tracking thread and the pages.
 pub struct Followed {
     state: Mutex<State>,
     changed: Condvar,
 }
 
-/// A piece of work: a segment, and the frame that it waits for.
+/// A segment that lacks answers, and the next frame that it needs.
 #[derive(Clone, Copy)]
 struct Task {
     key: Key,
@@ -170,12 +171,12 @@ impl Task {
 }
 
 impl State {
-    /// Returns the segments that the targets need, each with the frame before which it ends.
+    /// Returns the segments of all targets, each with its exclusive end frame.
     fn plan(&self) -> impl Iterator<Item = (Key, usize)> + '_ {
         self.targets.iter().flat_map(|target| planned(target, self.edition))
     }
 
-    /// Returns the segments that lack answers and can get them.
+    /// Returns the segments that lack answers, except those that failed or ran out of frames.
     fn tasks(&self) -> Vec<Task> {
         let last = self.end.unwrap_or(usize::MAX);
         let task = |(key, end): (Key, usize)| {
@@ -186,7 +187,7 @@ impl State {
         self.plan().filter_map(task).collect()
     }
 
-    /// Returns the answers of a target from one frame to another, in order.
+    /// Returns (frame, answer) of a target in a range of frames, in order.
     fn rows(&self, Part { target, from, to }: Part) -> impl Iterator<Item = (usize, Row)> + '_ {
         let target = self.targets.iter().find(move |one| one.id == target);
         let plan = target.into_iter().flat_map(|target| planned(target, self.edition));
@@ -194,7 +195,7 @@ impl State {
             .flat_map(move |(segment, end)| segment.answers(segment.places(from, end.min(to.saturating_add(1)))))
     }
 
-    /// Returns the rows that changed after position `since`: target, segment and indices.
+    /// Returns the rows that changed after log position `since`, as target, segment and row indices.
     fn changed(&self, since: u64) -> impl Iterator<Item = (u32, &Segment, Range<usize>)> {
         self.plan().filter_map(move |(key, end)| {
             let segment = self.segments.get(&key)?;
@@ -203,7 +204,8 @@ impl State {
         })
     }
 
-    /// Marks all answers from `part.from` on as new, also hidden ones after `part.to`, so that positions still grow.
+    /// Marks all answers from `part.from` on as changed, even those after `part.to`, because log positions must ascend
+    /// within a segment.
     fn tell_again(&mut self, part: Part) {
         self.news.void(part);
         let Self { targets, segments, news, edition, .. } = self;
@@ -219,7 +221,8 @@ impl State {
         known.map(|known| known.max(self.seen)).or(self.end)
     }
 
-    /// Returns the targets with sorted locks, if all of them can be followed. A camera keeps the frames from `oldest` on.
+    /// Validates targets and sorts their locks. A new lock before frame `oldest`, which a camera has dropped, is an
+    /// error.
     fn checked(&self, mut targets: Vec<Target>, known: Option<usize>, oldest: usize) -> Result<Vec<Target>> {
         for target in &mut targets {
             target.locks.sort_by_key(|lock| lock.frame);
@@ -234,14 +237,14 @@ impl State {
                     "the box of {name} in frame {frame} has no pixels"
                 );
                 let last = self.frames(known).unwrap_or(usize::MAX);
-                // A session may be of a longer recording.
+                // A saved session may contain locks behind the end, if the recording was longer then.
                 let is_known = self.targets.iter().any(|one| one.id == target.id && one.locks.contains(lock));
                 ensure!(is_known || (1..=last).contains(frame), "there is no frame {frame}: expected 1 to {last}");
                 let twice = at > 0 && target.locks[at - 1].frame == *frame;
                 ensure!(!twice, "{name} has two boxes in frame {frame}: expected one");
             }
             check_gone(name, target.locks.iter().map(|lock| (lock.frame, lock.bbox.is_some())))?;
-            // A segment that exists already needs no old frame.
+            // An existing segment has read its lock's frame already.
             let late =
                 planned(target, self.edition).find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
             if let Some((Key { lock: (frame, _), .. }, _)) = late {
@@ -256,7 +259,7 @@ impl State {
         Ok(targets)
     }
 
-    /// Adds missing segments, lets all be tried again, and drops those that no target has used for longest.
+    /// Adds missing segments, retries those that ran out of frames, and drops the least recently used beyond [`SPARE`].
     fn arrange(&mut self) {
         self.changes += 1;
         let plan: Vec<Key> = self.plan().map(|(key, _)| key).collect();
@@ -278,7 +281,7 @@ impl State {
     }
 }
 
-/// Returns the segments of a target, each with the frame before which it ends.
+/// Returns the segments of a target, each with its exclusive end frame: the frame of the next lock.
 fn planned(target: &Target, edition: usize) -> impl Iterator<Item = (Key, usize)> + '_ {
     target.locks.iter().enumerate().filter_map(move |(at, lock)| {
         let end = target.locks.get(at + 1).map_or(usize::MAX, |next| next.frame);
@@ -295,24 +298,26 @@ fn differing(old: &[Lock], new: &[Lock]) -> Option<(usize, usize)> {
     Some((from, if behind == 0 { usize::MAX } else { new[new.len() - behind].frame - 1 }))
 }
 
-/// Changes after a position, as a page hears them.
+/// The changes after a log position, for a page that polls.
 pub(super) struct Heard {
     pub position: u64,
-    /// Parts whose answers are void, unless they come again.
+    /// Frame ranges whose answers the page discards before it stores `rows`.
     pub void: Vec<Part>,
     pub changed: Vec<Part>,
-    /// New answers; empty if the page asks for them by itself.
+    /// New answers (target, frame, row); empty if there are too many, so that the page requests the ranges in
+    /// `changed`.
     pub rows: Vec<(u32, usize, Row)>,
     pub said: Vec<String>,
     pub made: Vec<u32>,
     /// True if the number of frames or their times changed.
     pub frames: bool,
-    /// The targets and the number of their last change, if they changed.
+    /// All targets and their revision, if they changed.
     pub targets: Option<(Vec<Target>, u64)>,
 }
 
 impl Followed {
-    /// Errors: A target is refused; of a camera, whose frames are still to come, not because of its frames.
+    /// Validates the targets and plans their segments.
+    /// Errors: A target is invalid. For a camera, frame numbers are not checked, because its frames are still to come.
     pub fn new(variant: Variant, targets: Vec<Target>, source: &dyn Source) -> Result<Self> {
         let mut state = State {
             targets: Vec::new(),
@@ -349,7 +354,7 @@ impl Followed {
         self.state().targets.clone()
     }
 
-    /// Returns the targets and the number of their last change.
+    /// Returns the targets and their revision: the log position of their last change.
     pub(super) fn revision(&self) -> (Vec<Target>, u64) {
         let state = self.state();
         (state.targets.clone(), state.news.targets)
@@ -364,24 +369,24 @@ impl Followed {
         state.targets.iter().map(|target| (target.clone(), state.rows(Part::all(target.id)).collect())).collect()
     }
 
-    /// Returns at most [`PORTION`] answers of a part, and the last frame that they reach.
+    /// Returns at most [`PORTION`] answers of a frame range, and the last frame that they cover.
     pub(super) fn part(&self, part: Part) -> (Vec<(usize, Row)>, usize) {
         let rows: Vec<_> = self.state().rows(part).take(PORTION).collect();
         let to = rows.last().filter(|_| rows.len() == PORTION).map_or(part.to, |(frame, _)| *frame);
         (rows, to)
     }
 
-    /// Replaces the targets; only changed parts are followed again. `revision` is the last change that the page has
-    /// seen, if it says so. Returns the number of the new last change.
-    /// Errors: A box without pixels, two locks of a target in one frame, a target that is gone without a box before, a frame that does not exist or that a camera
-    /// no longer keeps, or targets that another page has changed meanwhile.
+    /// Replaces the targets; only changed frame ranges are tracked again. `revision` is the latest revision that the
+    /// page has seen, if it sent one. Returns the new revision.
+    /// Errors: A box without pixels, two locks of a target in one frame, a target that is gone without a box before, a
+    /// frame that does not exist or that a camera no longer keeps, or targets that another page has changed meanwhile.
     pub(super) fn set_targets(&self, targets: Vec<Target>, revision: Option<u64>, source: &dyn Source) -> Result<u64> {
         let (known, oldest) = (source.known().frames, source.oldest());
         self.change(|state| {
             let targets = state.checked(targets, known, oldest)?;
             let others = match revision {
                 Some(revision) => revision != state.news.targets,
-                // The first list replaces the targets that the window began with.
+                // A page without a revision may replace the initial targets, but no other page's.
                 None => {
                     state.news.targets > 0
                         && targets.iter().any(|one| state.targets.iter().any(|other| one.is_another(other)))
@@ -424,7 +429,7 @@ impl Followed {
         self.change(|state| state.stopped = true);
     }
 
-    /// Notes that the source knows more frames, and retries segments whose pass ended too early.
+    /// Records that the source knows more frames, and retries segments that ran out of frames.
     pub(super) fn learns(&self, known: Option<usize>) {
         self.change(|state| {
             if known > state.end {
@@ -439,8 +444,8 @@ impl Followed {
         self.change(|state| tell(&mut state.news));
     }
 
-    /// Waits at most `patience` for changes after position `since`. If there are more answers than a portion, a page gets
-    /// none and asks for them by parts.
+    /// Waits at most `patience` for changes after log position `since`. If there are more than [`PORTION`] answers, it
+    /// returns only their ranges, and the page requests them in parts.
     pub(super) fn heard(&self, since: u64, patience: Duration) -> Heard {
         let mut state = self.state();
         let begin = Instant::now();
@@ -450,7 +455,7 @@ impl Followed {
         }
         let news = &state.news;
         let heard = since;
-        // A page that was away for long begins anew.
+        // If the log no longer covers what the page has missed, the page reloads everything.
         let (is_remembered, all) = (news.remembers(since), state.targets.iter());
         let since = if is_remembered { since.min(news.end()) } else { 0 };
         let (void, said, made) = news.after(heard);
@@ -477,27 +482,28 @@ impl Followed {
         }
     }
 
-    /// Returns the last frame before the first one that lacks an answer. While targets are followed, also the frame
-    /// being read and the frames a second. `known` is the number of frames, if known.
+    /// Returns the last frame up to which all answers exist and, while tracking runs, the frame being read and the
+    /// speed in frames a second. `known` is the count of frames, if known.
     pub fn reached(&self, known: Option<usize>) -> (usize, Option<(usize, f64)>) {
         let state = self.state();
         let open = state.tasks().iter().map(|task| task.next - 1).min();
         let at = open.map(|reached| state.at.unwrap_or((reached, 0.0)));
         let ends = state.plan().filter_map(|(key, end)| Some(state.segments.get(&key)?.next().min(end) - 1));
         let stays_gone = state.targets.iter().any(|target| target.locks.last().is_some_and(|lock| lock.bbox.is_none()));
-        // A target that stays gone needs no more answers.
+        // A target that stays gone needs no more answers, so the recording is done to its end.
         let done = || ends.chain(state.frames(known).filter(|_| stays_gone)).max();
         (open.or_else(done).unwrap_or(0), at)
     }
 
-    /// Returns the last frame before damage that ends a command, unless a target is locked behind it.
+    /// Returns the last frame before damaged data, at which a command would fail; `None` if a target is locked behind
+    /// it.
     pub fn whole(&self) -> Option<usize> {
         let state = self.state();
         let mut locks = state.targets.iter().flat_map(|target| &target.locks);
         state.damaged.filter(|&last| last > 0 && locks.all(|lock| lock.frame <= last))
     }
 
-    /// Makes a pass whenever segments lack answers, until [`Self::stop`].
+    /// Reads frames and runs trackers whenever answers are missing, until [`Self::stop`].
     pub(super) fn run(&self, source: &dyn Source) {
         let is_live = source.live().is_some();
         let mut thread = Following { followed: self, source, is_live, trackers: HashMap::new() };
@@ -509,7 +515,7 @@ impl Followed {
         }
     }
 
-    /// Returns the number of frames and their times, as far as the source or this thread knows them.
+    /// Returns the count of frames and their times, as far as the source or the tracking thread knows them.
     pub(super) fn known(&self, source: &dyn Source) -> Known {
         let known = source.known();
         let state = self.state();
@@ -518,7 +524,7 @@ impl Followed {
     }
 }
 
-/// The thread that reads frames and asks the trackers of the segments that wait for them.
+/// The thread that reads frames and runs the trackers that need them.
 struct Following<'a> {
     followed: &'a Followed,
     source: &'a dyn Source,
@@ -527,7 +533,7 @@ struct Following<'a> {
 }
 
 impl Following<'_> {
-    /// Waits until a segment lacks an answer. Returns the frame to begin at; `None` after [`Followed::stop`].
+    /// Waits until an answer is missing. Returns the frame to start reading at; `None` after [`Followed::stop`].
     fn wait(&self) -> Option<usize> {
         let mut state = self.followed.state();
         loop {
@@ -536,12 +542,12 @@ impl Following<'_> {
             }
             let oldest = self.source.oldest();
             for Task { key, .. } in state.tasks().into_iter().filter(|task| task.has_begun()) {
-                // The tracker of this segment was dropped, so the segment begins anew.
+                // If the tracker of a segment was dropped, the segment starts again from its lock.
                 if !self.trackers.contains_key(&key) {
                     state.segments.entry(key).and_modify(|segment| segment.rows.clear());
                 }
             }
-            // After the lock, a tracker may skip frames of a camera.
+            // Only the lock's frame is indispensable: after it, a tracker may skip frames of a camera.
             let (late, tasks): (Vec<Task>, _) =
                 state.tasks().into_iter().partition(|task| task.next < oldest && !task.has_begun());
             for Task { key, next } in late {
@@ -556,8 +562,8 @@ impl Following<'_> {
         }
     }
 
-    /// Reads on from a frame while a segment waits for the next one. If the frames end before that, returns the last
-    /// frame and the error that ended them.
+    /// Reads frames from `start` on and runs the trackers, while an answer in the next frame is missing. If the frames
+    /// end before that, returns the last frame and the error that ended them.
     fn pass(&mut self, start: usize) -> Option<(usize, Option<Error>)> {
         let frames = match self.source.gray_from(start) {
             Ok(frames) => frames,
@@ -584,7 +590,8 @@ impl Following<'_> {
         Some((last, None))
     }
 
-    /// Ends the pass that began at `start`; its last frame was `last`. That is the recording's end only if no more are known.
+    /// Handles frames that ended at `last` after reading from `start`. It is the recording's end only if the source
+    /// knows of no more frames.
     fn ended(&self, start: usize, last: usize, error: Option<&Error>) {
         let known = self.source.known().frames;
         self.followed.change(|state| {
@@ -608,7 +615,7 @@ impl Following<'_> {
         });
     }
 
-    /// Asks the trackers that wait for this frame. Returns false if the pass is not to read the next frame.
+    /// Runs the trackers that need this frame. Returns true if the next frame is to be read.
     fn frame(&mut self, &Frame { number, seconds: time, ref gray, .. }: &Frame, rate: f64) -> bool {
         let (followed, is_live) = (self.followed, self.is_live);
         let (mut due, variant) = {

@@ -1,10 +1,10 @@
-//! A cache of frames by their numbers. Beyond its size it drops the frames whose numbers are farthest from the last one.
+//! A cache of limited size, by frame number. It evicts the frames that are farthest from the latest insertion.
 
 use std::collections::BTreeMap;
 
 pub(super) struct Kept<T> {
     of: BTreeMap<usize, T>,
-    /// The size of all frames together, at most `most`. One frame stays, however large it is.
+    /// Sum of `size_of` over all frames, at most `most`; but the last frame stays, however large it is.
     size: usize,
     most: usize,
     size_of: fn(&T) -> usize,

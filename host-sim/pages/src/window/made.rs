@@ -1,4 +1,5 @@
-//! Files that are made for the user. Another host-sim makes each, by the command line that the page shows.
+//! Videos and reports that the user orders on the page. A child process of host-sim writes each one, with the command
+//! line that the page shows.
 
 use super::lock;
 use anyhow::{Context, Result, ensure};
@@ -15,13 +16,13 @@ use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread;
 
-/// A file to be made by a program.
+/// An output file, and the command line of host-sim that writes it.
 pub struct Job {
-    /// The name under which the file is saved: letters, digits and `-_.` only.
+    /// Name under which the browser saves the file: letters, digits and `-_.` only.
     pub name: String,
-    /// Words of the command line after `host-sim`; the path of the file to write follows them.
+    /// Arguments of `host-sim`, without the path of the output file, which is appended.
     pub words: Vec<OsString>,
-    /// Number of lines that the program prints until it is done; 0 if it prints none.
+    /// Count of lines that the program prints until it is done, for its progress; 0 if it prints none.
     pub lines: usize,
 }
 
@@ -29,7 +30,7 @@ pub struct Job {
 pub(super) struct Progress {
     id: u32,
     name: String,
-    /// Part that is done, 0 to 1; `None` if it is not known.
+    /// Fraction done, 0 to 1; `None` if unknown.
     done: Option<f64>,
     file: Option<String>,
     error: Option<String>,
@@ -41,7 +42,7 @@ pub(super) struct Progress {
 
 const MOST: usize = 2;
 
-/// The files of a window. They are removed when the program ends.
+/// Files ordered on the page, removed when the program ends.
 pub struct Made {
     folder: Exchange,
     progress: Mutex<BTreeMap<u32, Progress>>,
@@ -60,12 +61,12 @@ impl Made {
         self.progress().get(&id).cloned()
     }
 
-    /// Returns the folder of a file: what a program that is ended leaves there is removed with it.
+    /// Returns the folder of file `id`. Leftovers of a cancelled program are removed with the folder.
     fn folder_of(&self, id: u32) -> PathBuf {
         self.folder.path().join(id.to_string())
     }
 
-    /// Returns the name and the bytes of a file that is ready.
+    /// Returns the name and the content of the finished file `id`.
     pub(super) fn file(&self, id: u32) -> Result<(String, Vec<u8>)> {
         let name = self.of(id).and_then(|one| one.file).context("there is no such file, or it is not ready")?;
         let file = self.folder_of(id).join(&name);
@@ -73,7 +74,8 @@ impl Made {
         Ok((name, bytes))
     }
 
-    /// Writes an HTML page, readable by this user alone, that forwards to `address`: all users can see a program's arguments.
+    /// Writes an HTML file, readable by this user alone, that forwards to `address`. A browser can be started with this
+    /// file's path instead of the secret address, because all users can see a program's arguments.
     pub fn door(&self, address: &str) -> Result<PathBuf> {
         let head = "<!DOCTYPE html><title>host-sim</title><meta name=\"referrer\" content=\"no-referrer\">";
         let lead = format!(
@@ -82,7 +84,8 @@ impl Made {
         self.folder.private("open.html", lead.as_bytes())
     }
 
-    /// Starts to make a file. `tell` is called with the file's number now and after each step.
+    /// Starts the program that writes a file, and returns the file's id. `tell` gets the id now and after each
+    /// progress.
     /// Errors: Too many files are being made already, or the program does not start.
     pub(super) fn begin(self: &Arc<Self>, job: Job, tell: impl Fn(u32) + Send + 'static) -> Result<u32> {
         let Job { name, words, lines } = job;
@@ -121,8 +124,7 @@ impl Made {
         Ok(id)
     }
 
-    /// Ends the program that makes a file.
-    /// Errors: The file is not being made.
+    /// Ends the program that writes file `id`. Errors: No program is writing it.
     pub(super) fn cancel(&self, id: u32) -> Result<()> {
         let mut all = self.progress();
         let running = all.get_mut(&id).and_then(|one| Some((one.process.clone()?, &mut one.cancelled)));
@@ -133,13 +135,13 @@ impl Made {
         Ok(())
     }
 
-    /// Counts the lines that the program prints until it ends.
-    /// Errors: The complaint of the program, if it fails.
+    /// Waits for the program to end, and counts its output lines as progress.
+    /// Errors: The program's error message, if it fails.
     fn watch(&self, process: &Process, id: u32, lines: usize, tell: &impl Fn(u32)) -> Result<()> {
         let said = process.said();
         let printed = process.output().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok);
         for (count, _) in printed.enumerate() {
-            // The page needs no more than a hundred steps.
+            // A hundred progress steps are enough for the page.
             if lines > 0 && count.is_multiple_of(lines.div_ceil(100)) {
                 #[allow(clippy::cast_precision_loss)] // far below 2^52
                 let done = (count as f64 / lines as f64).min(0.99);
@@ -151,7 +153,7 @@ impl Made {
         }
         let status = process.wait_while(|_| true)?.context("host-sim does not end")?;
         let said = said.recv().unwrap_or_default();
-        // Notes and warnings come before the error.
+        // Notes and warnings precede the line that begins with `error: `.
         let complaint = said.lines().find_map(|line| line.strip_prefix("error: ")).or(said.lines().next_back());
         ensure!(status.success(), "{}", complaint.unwrap_or("host-sim gives no reason"));
         Ok(())

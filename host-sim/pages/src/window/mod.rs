@@ -1,14 +1,15 @@
-//! The window: one page in the browser, served on this machine alone, in which a recording is followed, looked through and corrected.
+//! The window of `host-sim view`: a browser page, served to this machine only, on which the user tracks targets in a
+//! recording, inspects the answers and corrects them.
 //!
 //! ```text
 //! page  -- targets, wishes -->  routes  -->  following: a thread that reads frames and asks the trackers
 //! page  <-- news, pictures --   routes  <--  news; pictures of the recording or camera
 //! ```
 //!
-//! `server` lets in the page and nobody else. A page sends all targets with their locks after each change, and other
-//! pages hear of it; `following` finds out which segments lack answers. All changes are `news`; if many answers
-//! changed, a page asks for parts of them. Frames come from a `recording` or a `camera`. The page itself is
-//! core/web/page/window.html. `session` keeps what the user has done in a file.
+//! `server` admits only the page. After each change, the page sends all targets with their locks (boxes that the user
+//! drew). `following` determines the segments (frames from one lock to the next) that lack answers. All open pages poll
+//! `news`, the log of changes; if many answers changed, a page requests them in parts. Frames come from a `recording`
+//! or a `camera`. The page itself is core/web/page/window.html. `session` saves the user's work in a file.
 
 mod boxes;
 mod camera;
@@ -34,20 +35,20 @@ use anyhow::Result;
 use smr_recordings::{ColorFrame, Frames};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The longest side of a picture, in pixels.
+/// Longest side in pixels of a JPEG for the page; larger frames are scaled down.
 const SIDE: u16 = 1280;
 
-/// Locks a mutex even after a thread panicked with it: each change is complete.
+/// Locks a mutex even if a thread panicked while holding it, because every change to its data is complete.
 fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The source of a window: a recording, or a camera.
+/// A source of frames for the window: a recording or a camera. Frame numbers start at 1.
 pub trait Source: Send + Sync {
-    /// Returns the number of frames and their times. Both only grow.
+    /// Returns the count of frames known so far and their times. Both only grow.
     fn known(&self) -> Known;
 
-    /// Errors: The frames cannot be read, or are not kept any more.
+    /// Reads the gray frames from frame `number` on. Errors: They cannot be read, or are not kept any more.
     fn gray_from(&self, number: usize) -> Result<Frames>;
 
     /// Returns the number of the oldest frame that a tracker can be locked in.
@@ -58,8 +59,8 @@ pub trait Source: Send + Sync {
     /// Returns the frame as a JPEG, in color if the source has color; `None` if there is no such frame.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;
 
-    /// Returns the frame with all its pixels, in color if the source has color; `None` if there is no such frame, or only
-    /// its picture is kept.
+    /// Returns the frame at full resolution, in color if the source has color; `None` if there is no such frame, or
+    /// only its JPEG is kept.
     fn color(&self, _number: usize) -> Option<Arc<ColorFrame>> {
         None
     }
@@ -72,19 +73,19 @@ pub trait Source: Send + Sync {
     fn stop(&self) {}
 }
 
-/// The number of frames, and their times in seconds, as far as they are known.
+/// Count of frames, and their times in seconds, as far as known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
     pub frames: Option<usize>,
     pub times: Vec<f64>,
 }
 
-/// The frames of a camera that are kept, and how well trackers keep up.
+/// State of a camera: the range of frames that are kept, and how well the trackers keep up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct LiveState {
     pub oldest: usize,
     pub newest: usize,
-    /// Frames that came while targets were followed, and that no tracker got.
+    /// Count of frames that arrived while targets were tracked, but that no tracker received.
     pub dropped: usize,
     /// Milliseconds from the arrival of a frame to its answer.
     pub latency_ms: f64,

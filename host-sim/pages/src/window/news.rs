@@ -1,8 +1,9 @@
-//! Numbers all changes by positions. A page says which position it has seen, and gets the later changes.
+//! A log of changes, numbered by positions. A page polls with the last position that it has seen, and gets the later
+//! changes.
 
 use std::collections::VecDeque;
 
-/// Frames of a target, both ends included.
+/// A range of a target's frames, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Part {
     pub target: u32,
@@ -16,23 +17,23 @@ impl Part {
     }
 }
 
-/// The most void parts that are remembered. A page that has seen none of these begins anew.
+/// Most discarded frame ranges in the log; a page that has missed older ones reloads everything.
 const MOST_VOID: usize = 1000;
-/// The most lines for the user that are remembered.
+/// Most messages for the user in the log.
 const MOST_SAID: usize = 4;
 
-/// Positions of all changes except those of answers, which are kept in their segments.
+/// The log of all changes except answers, whose positions are stored with them.
 #[derive(Default)]
 pub(super) struct News {
     end: u64,
     /// Position of the last change of the targets.
     pub targets: u64,
-    /// Position of the last change of the number of frames, or of their times.
+    /// Position of the last change of the frame count or of frame times.
     pub frames: u64,
     said: VecDeque<(u64, String)>,
     made: VecDeque<(u64, u32)>,
     void: VecDeque<(u64, Part)>,
-    /// Position of the last void part that is no longer remembered.
+    /// Position of the latest entry of `void` that was dropped from the log.
     forgotten: u64,
 }
 
@@ -41,13 +42,13 @@ impl News {
         self.end
     }
 
-    /// Returns the position of a change that happens now.
+    /// Returns a new position, for a change that happens now.
     pub const fn next(&mut self) -> u64 {
         self.end += 1;
         self.end
     }
 
-    /// Makes the answers of a part void until they come again.
+    /// Logs that pages must discard the answers of a frame range.
     pub fn void(&mut self, part: Part) {
         let at = self.next();
         self.void.push_back((at, part));
@@ -64,19 +65,19 @@ impl News {
         }
     }
 
-    /// Notes progress of a file that is made for the user.
+    /// Logs progress of file `id`, a video or report that the user has ordered.
     pub fn makes(&mut self, id: u32) {
         let at = self.next();
         self.made.retain(|(_, other)| *other != id);
         self.made.push_back((at, id));
     }
 
-    /// True if all parts that became void after `since` are remembered.
+    /// True if the log contains all frame ranges that were discarded after `since`.
     pub const fn remembers(&self, since: u64) -> bool {
         since == 0 || since >= self.forgotten
     }
 
-    /// Returns the void parts, the lines, and the files with progress after position `since`, in their order.
+    /// Returns the discarded frame ranges, the messages, and the ids of files with progress after position `since`.
     pub fn after(&self, since: u64) -> (Vec<Part>, Vec<String>, Vec<u32>) {
         (after(&self.void, since), after(&self.said, since), after(&self.made, since))
     }

@@ -1,5 +1,6 @@
-//! A recording as the source of a window. It gives any frame as a JPEG: the latest pictures are kept, and the next ones are read in order. The
-//! last frames with all their pixels are kept, too. A recording that is still being written is opened anew when it has grown.
+//! A recording as the source of the window. Any frame is available as a JPEG: recent ones are cached, and following
+//! ones are decoded in order. Recent frames at full resolution are cached, too. A recording that is still being written
+//! is reopened when it has grown.
 
 use super::kept::Kept;
 use super::{Known, SIDE, Source, lock};
@@ -11,17 +12,17 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use std::{fs, thread};
 
-/// Time between two checks of the size of the file.
+/// Interval between checks whether the file has grown.
 const LOOKS: Duration = Duration::from_secs(1);
 const MOST_BYTES: usize = 96 << 20;
-/// The most pixels of frames that are kept: 64 MB.
+/// Most pixels of cached full-resolution frames: 64 MB at 3 bytes a pixel.
 const MOST_PIXELS: usize = (64 << 20) / 3;
-/// A frame at most this far ahead is reached by reading on, a farther one by a seek.
+/// Most frames that are decoded in order to reach a later frame; a farther one is reached by a seek.
 const NEAR: usize = 24;
-/// A seek for a user who steps back goes this much further, because earlier frames will be wanted.
+/// Extra frames that a backward seek goes back, because a user who steps back will request earlier frames next.
 const BEFORE: usize = 12;
 
-/// A recording that may grow.
+/// A recording that may grow while the window shows it.
 pub struct Growing {
     path: PathBuf,
     options: OpenOptions,
@@ -30,16 +31,16 @@ pub struct Growing {
 
 struct Opened {
     recorded: Arc<Recorded>,
-    /// Most frames and times known so far: the index of a recording opened anew begins with less.
+    /// Most frames and times known so far, because a reopened recording starts with an incomplete index.
     known: Known,
-    /// [`size`] when the recording was opened.
+    /// Value of [`size`] when the recording was last opened.
     size: u64,
-    /// [`size`] at the last check.
+    /// Value of [`size`] at the last check.
     seen: u64,
     looked: Instant,
 }
 
-/// A recording as it was when it was opened.
+/// An open recording with the frames that it had when opened, and its caches.
 struct Recorded {
     recording: Seekable,
     pictures: Mutex<Pictures>,
@@ -48,7 +49,7 @@ struct Recorded {
 
 struct Pictures {
     kept: Kept<Arc<Vec<u8>>>,
-    /// The number of the next frame, and the frames from there on.
+    /// Number of the next frame, and an iterator that starts with it.
     reader: Option<(usize, Box<dyn Iterator<Item = ColorFrame> + Send>)>,
     last: usize,
 }
@@ -68,7 +69,7 @@ impl Growing {
         if opened.looked.elapsed() >= LOOKS {
             let before = std::mem::replace(&mut opened.seen, size(&self.path));
             opened.looked = Instant::now();
-            // The file has stopped growing since the last check.
+            // The file has grown, and its size is stable since the last check.
             if opened.seen > opened.size && opened.seen == before {
                 opened.size = opened.seen;
                 self.open_anew(opened.size);
@@ -77,7 +78,7 @@ impl Growing {
         Arc::clone(&opened.recorded)
     }
 
-    /// Opens the recording anew on a thread of its own, because ffmpeg may take long.
+    /// Reopens the recording on a separate thread, because ffmpeg may take long.
     fn open_anew(&self, size: u64) {
         let (path, options, opened) = (self.path.clone(), self.options.clone(), Arc::clone(&self.opened));
         thread::spawn(move || {
@@ -116,11 +117,11 @@ impl Source for Growing {
         let steps_back = number < pictures.last && pictures.last - number < NEAR;
         let begin = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
         pictures.last = number;
-        // A frame on the way may be gone: then the wanted one is read without it.
+        // If a frame before the requested one cannot be read, a second attempt seeks to the requested one itself.
         let begins = [Some(begin).filter(|_| !is_near), Some(number).filter(|_| is_near || begin < number)];
         begins.into_iter().find_map(|begin| {
             if let Some(begin) = begin {
-                // This ends the former ffmpeg before the next one starts.
+                // Dropping the former reader ends its ffmpeg before the next one starts.
                 pictures.reader = None;
                 pictures.reader = Some((begin, recorded.recording.color_from(begin, SIDE).ok()?));
             }
@@ -169,7 +170,7 @@ impl Pictures {
             *next += 1;
             let picture = Arc::new(encode::color_jpeg(&encode::within(&frame, SIDE), encode::GOOD).ok()?);
             self.kept.keep(at, Arc::clone(&picture));
-            // ffmpeg may have made a larger one smaller.
+            // A frame with a side of `SIDE` is not cached as full resolution: ffmpeg may have scaled it down.
             if frame.width.max(frame.height) < SIDE {
                 lock(colors).keep(at, Arc::new(frame));
             }

@@ -1,4 +1,4 @@
-//! The addresses of the window: the page, its modules, frames, news, and the requests of the user.
+//! HTTP routes of the window: the page, its modules, frames, news, and the user's requests.
 
 use super::following::{Followed, Heard, Lock, Row, Target, check_inside};
 use super::made::{Job, Made};
@@ -19,20 +19,20 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// Longest wait for news before a page asks again.
+/// Longest time that a poll for news waits for a change.
 const PATIENCE: Duration = Duration::from_secs(15);
-/// Time in which news is gathered, so that one reply tells of several frames.
+/// Delay before a reply with news, so that it covers several frames.
 const GATHERING: Duration = Duration::from_millis(40);
 
 /// Requests of a page that need the options of the command line.
 pub trait Wish: Send + Sync {
-    /// Returns a method with these options, from which trackers are made.
+    /// Returns a tracking method with the given options.
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
 
-    /// Returns the name and the bytes of a file with the boxes.
+    /// Returns the name and the content of a file with the boxes of all targets.
     fn boxes(&self, window: &Window, format: &str) -> Result<(String, Vec<u8>)>;
 
-    /// Returns the command line that makes a video with boxes (`mp4`, ...), or the report (`html`).
+    /// Returns the command line that writes a video with boxes (`mp4`, ...) or the report (`html`).
     fn made(&self, window: &Window, ending: &str) -> Result<Job>;
 
     fn firmware(&self, variant: &Variant) -> String;
@@ -42,7 +42,7 @@ pub trait Wish: Send + Sync {
 pub struct Window {
     pub name: String,
     pub size: (u16, u16),
-    /// The source and its options, as they are typed.
+    /// Command-line arguments that name the source and its options.
     pub words: String,
     pub films: Vec<&'static str>,
     pub source: Arc<dyn Source>,
@@ -58,7 +58,7 @@ impl Window {
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
         thread::spawn(move || followed.run(source.as_ref()));
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
-        // This thread tells the page when more of the source is known.
+        // This thread informs the page when the source knows more frames.
         thread::spawn(move || {
             let mut told = Known::default();
             loop {
@@ -151,7 +151,7 @@ impl Window {
         })
     }
 
-    /// Keeps the targets, the method and its options in the session.
+    /// Saves the targets, the method and its options in the session.
     fn keep(&self) {
         self.told(self.session.keep(|work| {
             let variant = self.followed.variant();
@@ -168,7 +168,7 @@ impl Window {
         self.followed.known(self.source.as_ref())
     }
 
-    /// Returns the source and its options as they are typed, and the frames before damage.
+    /// Returns the command-line arguments for the source, limited to the frames before damaged data.
     fn words(&self) -> String {
         self.words.clone() + &self.followed.whole().map_or(String::new(), |last| format!(" --frames ..{last}"))
     }
@@ -201,8 +201,8 @@ impl Window {
         })
     }
 
-    /// Returns the changes after position `since`. Many answers are only named, and the page asks for them by `answers`. With
-    /// `wait=0` it returns at once.
+    /// Returns the changes after log position `since`. If there are many answers, it returns only their frame ranges,
+    /// which the page requests by `answers`. With `wait=0` it returns at once.
     fn news(&self, query: &str) -> Result<Value> {
         let since = number(query, "since")?;
         let patience = if value(query, "wait") == Some("0") { Duration::ZERO } else { PATIENCE };
@@ -213,7 +213,7 @@ impl Window {
         }
         let Heard { position, void, changed, rows, said, made, frames, targets } = heard;
         let (followed, at) = self.followed.reached(self.source.known().frames);
-        // JavaScript has no exact whole numbers beyond 2^53.
+        // JavaScript has no exact integers beyond 2^53.
         let told = |part: &Part| json!([part.target, part.from, part.to.min(u32::MAX as usize)]);
         let mut news = json!({
             "position": position,
@@ -262,7 +262,7 @@ impl Window {
         Reply::error(404, &said)
     }
 
-    /// Returns the pixels of a part of a frame as they are.
+    /// Returns a cropped part of a frame at full resolution, as PNG.
     fn part(&self, name: &str, query: &str) -> Result<Reply> {
         let numbers = value(query, "part").and_then(|part| part.split(',').map(|number| number.parse().ok()).collect());
         let part = numbers.and_then(|numbers: Vec<i32>| numbers.try_into().ok()).context("expected ?part=X,Y,W,H")?;
@@ -285,7 +285,7 @@ fn json_reply(value: &Value) -> Reply {
     Reply::new("application/json", value.to_string())
 }
 
-/// Makes the reply with a file that a browser saves under its name.
+/// Returns a reply whose body the browser saves as a file of this name.
 fn saved((name, bytes): (String, Vec<u8>)) -> Reply {
     Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
 }
@@ -301,7 +301,7 @@ fn value<'a>(query: &'a str, name: &str) -> Option<&'a str> {
     query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='))
 }
 
-/// Returns the number of the frame in the name of a picture, such as `7.jpg`.
+/// Parses the frame number in the name of a picture, such as `7.jpg`.
 fn frame(name: &str, ending: &str) -> Option<usize> {
     name.strip_suffix(ending)?.parse().ok().filter(|&number| number > 0)
 }
@@ -322,6 +322,7 @@ fn number<T: FromStr>(query: &str, name: &str) -> Result<T> {
     text.parse().ok().with_context(|| format!("{name}={text}: expected a number"))
 }
 
+/// Returns an answer as JSON for the page:
 /// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, runner-up's ratio]`
 fn told_row(&(target, frame, Row { report, shown, .. }): &(u32, usize, Row)) -> Value {
     let Report { state, evidence, work, .. } = report;

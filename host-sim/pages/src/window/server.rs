@@ -1,14 +1,15 @@
 //! A server for one user on this machine: HTTP on the loopback address, for clients that have the token.
 //!
-//! Any web page that the user has open can send requests to a port of this machine. So a request is answered only if
+//! Any web page that the user has open can send requests to a port of this machine. Therefore a request is answered
+//! only if
 //!
-//! - its path begins with the token, 128 random bits that only the address printed by host-sim has;
-//! - its `Host` is this server (a page of another name that resolves to 127.0.0.1 has another);
+//! - its path begins with the token, 128 random bits that are part of the address printed by host-sim;
+//! - its `Host` is this server (a foreign page whose domain resolves to 127.0.0.1 sends its own domain);
 //! - its `Origin`, if it has one, is this server.
 //!
-//! Everything else gets an empty 403 and ends its connection. Headers and bodies are limited in size and time, and a
-//! connection that reads nothing of its reply ends. When too many connections have not shown the token, a new one ends
-//! the oldest, so that they cannot keep out the user.
+//! Any other request gets an empty 403 and its connection is closed. Headers and bodies are limited in size and time,
+//! and a client that reads nothing of its reply is disconnected. When too many connections have not shown the token, a
+//! new one closes the oldest, so that they cannot keep out the user.
 
 use super::lock;
 use anyhow::{Context, Result};
@@ -27,11 +28,11 @@ use std::time::Duration;
 use tokio::task::AbortHandle;
 use tokio_io_timeout::TimeoutStream;
 
-/// The most connections at a time that have not shown the token.
+/// Most open connections that have not shown the token.
 const MOST_STRANGERS: usize = 128;
-/// The longest time in which a connection sends a header or a body.
+/// Time limit for a client to send a header or a body.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// The longest time in which a connection reads nothing of a reply, in multiples of [`PATIENCE`].
+/// Longest time for which a client may read nothing of a reply, in multiples of [`PATIENCE`].
 const READING: u32 = 3;
 /// Most bytes of a body, enough for a file with the boxes of a long recording.
 const MOST_BYTES: usize = 16 << 20;
@@ -50,13 +51,13 @@ const HEADERS: [(&str, &str); 6] = [
     ),
 ];
 
-/// A request that the [`Door`] has let in.
+/// A request that has passed the checks of [`Door`].
 pub(super) struct Request {
     pub posts: bool,
     /// The path behind the token, without the slash: `frames/7.jpg`. Empty for the page.
     pub path: String,
     pub query: String,
-    /// Number in `If-Match`: the last change that the page has seen.
+    /// Value of `If-Match`: the revision of the targets that the page has seen.
     pub revision: Option<u64>,
     pub body: Vec<u8>,
 }
@@ -74,7 +75,7 @@ impl Reply {
         Self { status: 200, kind, body: body.into(), file: None }
     }
 
-    /// Makes a reply with an error in one line.
+    /// Returns a plain-text reply with an error message.
     pub fn error(status: u16, said: &str) -> Self {
         Self { status, ..Self::new("text/plain; charset=utf-8", said) }
     }
@@ -89,7 +90,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Takes a free port of the loopback address.
+    /// Binds a free port of the loopback address and draws a random token.
     pub fn bind() -> Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).context("cannot listen on 127.0.0.1")?;
         listener.set_nonblocking(true)?;
@@ -104,7 +105,7 @@ impl Server {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
     }
 
-    /// Answers requests until the program ends. `answer` runs on a thread of its own and may wait.
+    /// Serves requests until the program ends. `answer` runs on a separate thread, so it may block.
     pub(super) fn run(self, answer: impl Fn(Request) -> Reply + Send + Sync + 'static) -> Result<()> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let (listener, patience) = (self.listener.try_clone()?, self.patience);
@@ -113,7 +114,7 @@ impl Server {
             let listener = tokio::net::TcpListener::from_std(listener)?;
             for id in 0_u64.. {
                 let Ok((stream, _)) = listener.accept().await else {
-                    // No file descriptor is free now; one will be soon.
+                    // Accepting fails while no file descriptor is free; one will be soon.
                     tokio::time::sleep(Duration::from_millis(50)).await;
                     continue;
                 };
@@ -127,11 +128,11 @@ impl Server {
                     });
                     let mut server = http1::Builder::new();
                     server.timer(TokioTimer::new()).header_read_timeout(patience).max_buf_size(1 << 16);
-                    // A browser that goes away is no error.
+                    // A browser that disconnects is no error.
                     let _ = server.serve_connection(TokioIo::new(Box::pin(stream)), service).await;
                     served.strangers().remove(&id);
                 });
-                // The task cannot have ended yet: it begins later on this thread.
+                // The task cannot have ended yet, because it starts later on this thread.
                 let mut strangers = door.strangers();
                 strangers.insert(id, task.abort_handle());
                 if strangers.len() > MOST_STRANGERS
@@ -145,7 +146,7 @@ impl Server {
     }
 }
 
-/// Lets in those who have the token and come from this server's own page.
+/// Admits requests that have the token and come from this server's own page.
 struct Door {
     server: Server,
     answer: Box<dyn Fn(Request) -> Reply + Send + Sync>,
@@ -158,7 +159,7 @@ impl Door {
         lock(&self.strangers)
     }
 
-    /// The reply to a request of the connection `id`.
+    /// Returns the reply to a request on the connection `id`.
     async fn answered(self: Arc<Self>, id: u64, request: hyper::Request<Incoming>) -> Response<Full<Bytes>> {
         let Some(path) = self.entered(&request) else {
             let mut refused = reply(Reply::error(403, ""));
@@ -185,7 +186,7 @@ impl Door {
         reply(done.unwrap_or_else(|_| Reply::error(500, "host-sim failed here: please report it")))
     }
 
-    /// Returns the path behind the token; `None` if the request is not let in.
+    /// Returns the path behind the token; `None` if the request is refused.
     fn entered(&self, request: &hyper::Request<Incoming>) -> Option<String> {
         let Server { port, token, .. } = &self.server;
         let path = request.uri().path().strip_prefix('/')?.strip_prefix(token.as_str())?.strip_prefix('/')?;
@@ -206,7 +207,7 @@ fn reply(Reply { status, kind, body, file }: Reply) -> Response<Full<Bytes>> {
     for (name, value) in HEADERS {
         headers.insert(HeaderName::from_static(name), HeaderValue::from_static(value));
     }
-    // Names are made of letters that need no quoting: see `Made::name`.
+    // File names need no quoting, because they contain only letters, digits and `-_.` (see `Job::name`).
     let disposition = file.and_then(|name| HeaderValue::from_str(&format!("attachment; filename=\"{name}\"")).ok());
     if let Some(disposition) = disposition {
         headers.insert("content-disposition", disposition);
@@ -221,10 +222,10 @@ mod tests {
     use std::net::{SocketAddr, TcpStream};
     use std::thread;
 
-    /// Bytes of a reply that is too large for the buffers of any system.
+    /// Bytes of a reply that exceeds the socket buffers of any system.
     const LARGE: usize = 64 << 20;
 
-    /// Starts a server that answers with the path. Returns its address and its token.
+    /// Starts a server that replies with the request's path. Returns its address and its token.
     fn served() -> (SocketAddr, String) {
         let server = Server { patience: Duration::from_secs(1), ..Server::bind().unwrap() };
         let place = (SocketAddr::from((Ipv4Addr::LOCALHOST, server.port)), server.token.clone());
@@ -242,7 +243,7 @@ mod tests {
         stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
         stream.write_all(text.as_bytes()).unwrap();
         let mut said = Vec::new();
-        // A server that has heard enough may close before all is read.
+        // The server may close the connection early, for example after a bad header.
         let _ = stream.read_to_end(&mut said);
         String::from_utf8_lossy(&said).into_owned()
     }

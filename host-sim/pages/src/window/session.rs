@@ -1,4 +1,5 @@
-//! The session of a window: all that the user has done there, in a file beside the recording. It is written whole after each change.
+//! The session of a window: the user's targets, method and shown frame, saved in a JSON file beside the recording. The
+//! file is rewritten after each change.
 
 use super::{Target, lock};
 use anyhow::{Context, Result, anyhow, ensure};
@@ -18,14 +19,14 @@ pub struct Work {
     smr_session: u32,
     pub recording: String,
     pub method: String,
-    /// Options of the method, as they are typed.
+    /// Options of the method, as on the command line.
     pub options: Map<String, Value>,
     pub targets: Vec<Target>,
     pub frame: Option<usize>,
 }
 
 impl Work {
-    /// Returns the empty work on a recording: no method, options or targets yet.
+    /// Returns the initial work on a recording: no method, options or targets yet.
     pub fn new(recording: &str) -> Self {
         let (recording, method, options) = (recording.to_owned(), String::new(), Map::new());
         Self { smr_session: VERSION, recording, method, options, targets: Vec::new(), frame: None }
@@ -33,7 +34,7 @@ impl Work {
 }
 
 pub struct Session {
-    /// `None` if the work is not kept.
+    /// Path of the session file; `None` if the work is not saved.
     path: Option<PathBuf>,
     recording: String,
     kept: Mutex<Kept>,
@@ -58,13 +59,13 @@ impl Session {
         Ok((Self { path, recording: recording.to_owned(), kept: Mutex::new(kept) }, work))
     }
 
-    /// Sets aside the work in the file: the next change keeps it under another name.
+    /// Ignores the work in the file. Before the next change overwrites it, it is copied to `NAME~`.
     pub fn leave_aside(&self) {
         let mut kept = lock(&self.kept);
         (kept.bytes, kept.work.frame) = (None, None);
     }
 
-    /// Returns the name of the file as it was typed; `None` if the work is not kept.
+    /// Returns the path of the file as it was typed; `None` if the work is not saved.
     pub fn name(&self) -> Option<String> {
         let path = self.path.as_ref().filter(|_| !lock(&self.kept).has_failed);
         path.map(|path| path.display().to_string())
@@ -74,7 +75,8 @@ impl Session {
         lock(&self.kept).work.frame
     }
 
-    /// Stores which frame is shown, if the file holds the work of this window.
+    /// Saves the number of the shown frame, if the file contains the work of this window. Returns a message for the
+    /// user, if there is one.
     pub(super) fn shows(&self, frame: usize) -> Option<String> {
         let mut kept = lock(&self.kept);
         kept.work.frame = Some(frame);
@@ -82,7 +84,7 @@ impl Session {
         if there.is_some() && there == kept.bytes { self.write(&mut kept) } else { None }
     }
 
-    /// Stores a change. Returns a message for the user, if there is one.
+    /// Applies a change to the work and saves it. Returns a message for the user, if there is one.
     pub(super) fn keep(&self, change: impl FnOnce(&mut Work)) -> Option<String> {
         let mut kept = lock(&self.kept);
         change(&mut kept.work);
@@ -126,7 +128,7 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
     Ok((bytes, work))
 }
 
-/// Writes the file. Work in it that this window does not know is kept as `NAME~`, which is returned.
+/// Writes the file. Content that another program has written there is first copied to `NAME~`, whose path is returned.
 fn replaced(path: &Path, kept: &mut Kept) -> Result<Option<PathBuf>> {
     let mut bytes = serde_json::to_vec_pretty(&kept.work)?;
     bytes.push(b'\n');
@@ -169,7 +171,7 @@ mod tests {
         assert_eq!((second.frame(), second.shows(1), open().1.as_ref()), (None, None, Some(&expected)));
         let said = second.keep(|work| work.targets.clear()).unwrap();
         assert!(said.ends_with("a.smr.json~"), "{said}");
-        // The first window does not know what the second one did.
+        // The first session does not know the change of the second one, so it copies that file before it writes.
         let kept: Work = serde_json::from_slice(&fs::read(folder.path().join("a.smr.json~")).unwrap()).unwrap();
         let there = fs::read(&file).unwrap();
         assert!(kept == expected && first.keep(|work| work.frame = None).unwrap().ends_with("a.smr.json~"));

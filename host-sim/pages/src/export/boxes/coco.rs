@@ -1,11 +1,11 @@
-//! COCO's object detection, <https://cocodataset.org/#format-data>: one JSON object, whose boxes are left, top, width and height from 0 on.
-//! `score` is a field of COCO's results, `track_id` a field of CVAT and Datumaro.
+//! COCO object detection, <https://cocodataset.org/#format-data>: one JSON object. A box is left, top, width, height,
+//! from 0. The field `score` is from COCO's format of results, `track_id` from CVAT and Datumaro.
 
 use super::{About, Answer, score};
 use anyhow::Result;
 use serde_json::json;
 
-/// The frames that annotations belong to, and the number of annotations.
+/// The frame numbers so far, the frame size, and the count of annotations.
 #[derive(Default)]
 pub(super) struct Images {
     frames: Vec<usize>,
@@ -21,7 +21,7 @@ pub(super) fn head(about: &About) -> String {
 }
 
 impl Images {
-    /// An annotation, with the comma behind the one before; empty if the target is not seen.
+    /// Returns an annotation, after a comma if it is not the first; empty if the target is not visible.
     pub fn annotation(&mut self, answer: &Answer<'_>) -> Result<String> {
         let &Answer { target, frame, size, report, .. } = answer;
         if self.frames.last() != Some(&frame) {
@@ -48,7 +48,7 @@ impl Images {
 
     pub fn foot(&self, about: &About) -> Result<String> {
         let (width, height) = self.size;
-        // CVAT gives these names to the frames of a video, and counts them from 0.
+        // CVAT names the frames of a video `frame_NNNNNN.png`, from 0.
         let name = |frame: usize| {
             about.pictures.get(frame - 1).cloned().unwrap_or_else(|| format!("frame_{:06}.png", frame - 1))
         };

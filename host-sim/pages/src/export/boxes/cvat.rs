@@ -1,6 +1,6 @@
-//! CVAT XML 1.1 for video, <https://docs.cvat.ai/docs/other/xml_format>: a track for each target. Frames count from 0, and a box
-//! goes from its left and upper to its right and lower edge. CVAT drops boxes that are no key frames, so each is one; `source="auto"` tells the
-//! tracker's from those that the user drew, and CVAT passes over it.
+//! CVAT XML 1.1 for video, <https://docs.cvat.ai/docs/other/xml_format>: a track for each target. Frames count from 0;
+//! a box is its left, top, right and bottom edge. CVAT drops boxes that are not key frames, so every box is one.
+//! `source="auto"`, which CVAT ignores, marks boxes of a tracker, unlike those that the user drew.
 
 use super::{About, Answer};
 use smr_recordings::BoundingBox;
@@ -30,7 +30,7 @@ impl Tracks {
         (self.size, self.frames) = (answer.size, self.frames.max(answer.frame));
         let track = &mut self.tracks[answer.target];
         let target = answer.report.and_then(|report| report.target);
-        // A target is written as outside once, and stays so until its next box. If the user takes out a target that is lost, that is written, too.
+        // `outside` is written once and holds until the next box. It is written again if the user removes a lost target.
         let (is_outside, is_gone) = (target.is_none(), answer.report.is_none());
         let is_told = track.is_outside && (track.is_gone || !is_gone);
         let Some(seen) = target.or(track.last.filter(|_| !is_told)) else { return };
@@ -80,7 +80,7 @@ impl Tracks {
     }
 }
 
-/// Text as XML 1.0 takes it: <https://www.w3.org/TR/xml/#charsets>.
+/// Escapes text for XML 1.0: <https://www.w3.org/TR/xml/#charsets>.
 fn escaped(text: &str) -> String {
     let letter = |letter: char| match letter {
         '&' => "&amp;".to_owned(),

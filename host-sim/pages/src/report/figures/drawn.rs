@@ -1,4 +1,4 @@
-//! The figures, drawn.
+//! Draws the paper's five figures as SVG.
 
 use super::sheet::{COLUMN, DASHED, DOTTED, GAP, LINE, Pair, Plot, SOLID, Sheet, TOP, color_of, nice, tile};
 use super::{SAD, SMR, around, compared, overlap, spans};
@@ -10,7 +10,7 @@ use smr_core::Rect;
 use smr_evaluation::{CORRECT, centre_errors, name_of};
 use smr_recordings::{BoundingBox, GrayFrame};
 
-/// The boxes of SMR and SAD in one frame, with the pixels that each compared.
+/// Draws the boxes of SMR and SAD in one frame, with the pixels that each compared.
 pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
     const TILE: f64 = 400.0;
     const PATCH: Pair = (140.0, 120.0);
@@ -38,12 +38,12 @@ pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(3.0 * GAP + size.1.max(2.0 * ROW - GAP)))
 }
 
-/// Draws for each method the differences of picture and template, at the place it chose and at the true one, with histograms.
+/// Draws each method's difference maps from its template, in its box and in the true box, with histograms.
 pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     const PATCH: Pair = (160.0, 120.0);
     const ROW: f64 = PATCH.1 + 2.0 * LINE;
     const PLOT: f64 = 190.0;
-    /// Bars that are drawn: differences above are rare.
+    /// Count of histogram bars that are drawn; larger differences are rare.
     const SHOWN: usize = BARS / 2;
     let mut sheet = Sheet::new(&format!("{}, frame {}: differences to the template", film.name, still.index + 1));
     let columns = [0.0, 1.0, 2.0].map(|column| GAP + 60.0 + column * (PATCH.0 + GAP));
@@ -87,9 +87,8 @@ pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(top + PLOT + 3.0 * LINE))
 }
 
-/// The difference from the template at the true place of the target: in the method's box, moved to the ground truth.
-///
-/// If the method started beside the annotator's box, its box is put at the same distance here.
+/// Returns the difference from the template in the method's box, moved to the ground truth. If the method's start box
+/// was beside the ground truth, that offset is kept.
 fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference> {
     let start = BoundingBox::from(film.targets[0].start()).centre();
     let first = film.truth_at(0).map_or(start, |first| first.centre());
@@ -113,7 +112,7 @@ fn shades(sheet: &mut Sheet, left: f64, alpha: Option<u16>) -> Result<()> {
     Ok(())
 }
 
-/// The target leaves the frame and its padding; the template is not updated meanwhile.
+/// Draws a target that leaves the frame and its padding, with the template, which is not updated meanwhile.
 pub(super) fn leaving(film: &Film, stills: &[&Still]) -> Result<String> {
     let mut sheet = Sheet::new(&format!("{}: leaving the frame", film.name));
     sheet.legend(film.truth.is_some());
@@ -133,7 +132,7 @@ pub(super) fn leaving(film: &Film, stills: &[&Still]) -> Result<String> {
     Ok(sheet.svg(bottom + 2.0 * LINE))
 }
 
-/// Drift, as the distance from the true centre over the frames.
+/// Plots drift: the distance from the true centre in each frame.
 pub(super) fn drift(film: &Film) -> String {
     const PLOT: f64 = 260.0;
     let mut sheet = Sheet::new(&format!("{}: centre error over frames", film.name));
@@ -160,7 +159,7 @@ pub(super) fn drift(film: &Film) -> String {
     sheet.svg(4.0 * GAP + PLOT + 5.0 * LINE)
 }
 
-/// The target is hidden slowly: the occluder gets into the template, and the tracker follows it.
+/// Draws a slow occlusion: the occluder gets into the template, and the tracker follows it.
 pub(super) fn occlusion(film: &Film, stills: &[&Still], hidden: (usize, usize)) -> Result<String> {
     const PLOT: f64 = 150.0;
     let mut sheet = Sheet::new(&format!("{}: hidden {} to {}", film.name, hidden.0 + 1, hidden.1 + 1));

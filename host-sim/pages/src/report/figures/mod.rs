@@ -1,6 +1,5 @@
-//! The five figures of the paper, of any recording: SMR beside SAD.
-//!
-//! A recording is followed twice: first for what happens in it, then for the pictures of the frames that are shown.
+//! The paper's five figures, which compare SMR with SAD, for any recording. A recording is tracked twice: first to
+//! choose the frames to show, then to keep their pictures.
 
 mod drawn;
 mod sheet;
@@ -43,15 +42,15 @@ impl fmt::Display for Figure {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     pub figure: Figure,
-    /// Indices of the frames whose pictures the figure shows, in order, from 0.
+    /// Indices of the frames to show, from 0, in order.
     pub frames: Vec<usize>,
-    /// First and last frame in which the target is hidden, for the last figure.
+    /// Indices of the first and the last frame in which the target is hidden, for the figure of an occlusion.
     hidden: (usize, usize),
 }
 
 impl Plan {
-    /// Chooses the frames of a figure by what happens in the film. The user may name the `frame` of boxes and differences (from 0), and the
-    /// frames in which the target is `hidden`.
+    /// Chooses the frames of a figure. The user may name the `frame` of boxes and differences (an index from 0), and
+    /// the frames in which the target is `hidden`.
     /// Errors: The recording, or its ground truth, lacks what the figure needs.
     pub fn new(figure: Figure, film: &Film, frame: Option<usize>, hidden: Option<FrameRange>) -> Result<Self> {
         let plan = || {
@@ -74,7 +73,7 @@ impl Plan {
         plan().with_context(|| format!("{}: no figure {} ({})", film.name, figure as u8 + 1, figure.name()))
     }
 
-    /// Returns the figure as SVG. The stills of `film` include the frames of the plan.
+    /// Returns the figure as SVG. Fails if the stills of `film` lack a frame of the plan.
     pub fn draw(&self, film: &Film) -> Result<String> {
         let still = |&index: &usize| film.stills.iter().find(|still| still.index == index);
         let stills: Option<Vec<&Still>> = self.frames.iter().map(still).collect();
@@ -93,12 +92,13 @@ fn compared(still: &Still, method: usize) -> Result<&Search> {
     still.sights[method].search.as_ref().context("something is compared in every frame but the first")
 }
 
-/// Frames before and after the hidden ones that are compared and drawn.
+/// Count of frames before and after an occlusion that are scored and plotted.
 const AROUND: usize = 40;
-/// The first picture is this many frames before the target is hidden, the last as many after.
+/// Distance in frames from an occlusion of the pictures before and after it.
 const BESIDE: usize = 10;
 
-/// Returns the frame of the user, if something is compared in it; else the one in which SMR is farthest ahead.
+/// Returns the frame `wish`; without it, the frame in which SMR leads SAD by the most. The first frame, in which
+/// nothing is compared, is an error.
 fn lead_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     let Some(frame) = wish else {
         let leads = (1..film.moments.len()).filter_map(|index| Some((index, lead(film, index)?)));
@@ -110,7 +110,7 @@ fn lead_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     Ok(frame)
 }
 
-/// As [`lead_frame`]; fails if the target is hidden in that frame.
+/// Returns the same as [`lead_frame`], but fails if the target is hidden in the frame.
 fn visible_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     ensure!(film.truth.is_some(), "it needs ground truth, for the true place of the target");
     let frame = lead_frame(film, wish)?;
@@ -122,7 +122,8 @@ fn visible_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     Ok(frame)
 }
 
-/// Lead of SMR over SAD in a frame: the difference of their IoU with the ground truth, else 1 minus the IoU of both.
+/// Returns the lead of SMR over SAD: the difference of their IoU with the ground truth; without ground truth, 1 minus
+/// the IoU of their boxes.
 fn lead(film: &Film, index: usize) -> Option<f64> {
     let [smr, sad] = [SMR, SAD].map(|method| film.moments[index].reports[method].target);
     if film.truth.is_none() {
@@ -131,14 +132,14 @@ fn lead(film: &Film, index: usize) -> Option<f64> {
     smr.and(Some(overlap(film, SMR, index)? - overlap(film, SAD, index)?))
 }
 
-/// IoU with the ground truth, 0 without an answer; none while the target is hidden.
+/// Returns the IoU with the ground truth, 0 without an answer; `None` while the target is hidden.
 fn overlap(film: &Film, method: usize, index: usize) -> Option<f64> {
     let truth = film.truth_at(index)?;
     Some(film.moments[index].reports[method].target.map_or(0.0, |target| target.iou(&truth)))
 }
 
-/// Frames of a target that leaves: the one before, the one in which the box is farthest out, the first in which it is lost, and the
-/// one in which it is wholly inside again.
+/// Returns the frames around the target's exit: the last before it, the one with the box farthest outside, the first in
+/// which the target is lost, and the first in which it is wholly inside again.
 fn leaving_frames(film: &Film) -> Result<Vec<usize>> {
     let state = |index: usize| film.moments[index].reports[SMR].state;
     let leaving = (1..film.moments.len()).filter(|&index| state(index) == State::Leaving);
@@ -155,21 +156,21 @@ fn leaving_frames(film: &Film) -> Result<Vec<usize>> {
     Ok(frames)
 }
 
-/// Pixels of the box that are outside of the frame.
+/// Returns the area in pixels of SMR's box outside the frame.
 fn outside(film: &Film, index: usize) -> u64 {
     let Some(bbox) = film.moments[index].reports[SMR].bbox else { return 0 };
     let frame = Rect::new(0, 0, film.size.0, film.size.1);
     u64::from(bbox.width) * u64::from(bbox.height) - u64::from(bbox.intersection(frame).area())
 }
 
-/// The frames in which the target is hidden, by the ground truth: first and last of each run.
+/// Returns (first, last) of each run of frames in which the target is hidden by the ground truth.
 fn spans(film: &Film) -> Vec<(usize, usize)> {
     let truth = film.truth.iter().flatten().collect::<Vec<_>>();
     let hidden: Vec<usize> = (0..truth.len()).filter(|&index| truth[index].is_none()).collect();
     hidden.chunk_by(|one, next| one + 1 == *next).map(|run| (run[0], run[run.len() - 1])).collect()
 }
 
-/// Returns the hidden frames of the user; else the hidden frames of the ground truth after which SMR gets worse by the most.
+/// Returns the occlusion `wish` of the user; without it, the occlusion after which SMR's accuracy falls most.
 fn span(film: &Film, wish: Option<FrameRange>) -> Result<(usize, usize)> {
     ensure!(film.truth.is_some(), "it needs ground truth, for what is correct");
     let length = film.moments.len();
@@ -198,12 +199,12 @@ fn hidden_frames(film: &Film, (first, last): (usize, usize)) -> Vec<usize> {
     frames
 }
 
-/// The first and the last frame whose overlaps are drawn.
+/// Returns the first and the last frame of the plot around an occlusion.
 fn around(film: &Film, (first, last): (usize, usize)) -> (usize, usize) {
     (first.saturating_sub(AROUND), (last + AROUND).min(film.moments.len() - 1).max(first + 1))
 }
 
-/// The files of the built-in recording are tested in `tests/host_sim/figures.rs`, and errors in `tests/cases`.
+/// More tests: the figures of the built-in recording in `tests/host_sim/figures.rs`, error messages in `tests/cases`.
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,4 +1,4 @@
-//! Parts of a figure, as SVG: words, lines, frames with boxes, patches and plots.
+//! SVG elements of a figure: text, lines, frames with boxes, patches and plots.
 
 use super::{METHODS, SAD, SMR, compared};
 use crate::colors::{Color, GRID, PAPER, TRUTH, WHITE};
@@ -11,7 +11,7 @@ use minijinja::HtmlEscape;
 
 pub(super) const WIDTH: f64 = 760.0;
 pub(super) const GAP: f64 = 20.0;
-/// Distance from one line of text to the next, in units of the SVG.
+/// Line spacing of text, in units of the SVG.
 pub(super) const LINE: f64 = 22.0;
 /// Top of the content, below the title and one more line.
 pub(super) const TOP: f64 = 2.0 * GAP + LINE;
@@ -19,20 +19,20 @@ pub(super) const TOP: f64 = 2.0 * GAP + LINE;
 pub(super) const SOLID: &str = r#"stroke-width="2""#;
 pub(super) const DASHED: &str = r#"stroke-width="2" stroke-dasharray="6""#;
 pub(super) const DOTTED: &str = r#"stroke-dasharray="3 4""#;
-/// Strokes of SMR and SAD. An equal box below shows through the dashes.
+/// Strokes of SMR and SAD. The dashes leave an identical box below visible.
 pub(super) const STROKES: [&str; 2] = [SOLID, DASHED];
 
 pub(super) type Pair = (f64, f64);
 
 pub(super) struct Sheet(Vec<String>);
 
-/// A diagram as wide as a figure, with 0 at its bottom.
+/// A plot as wide as the figure, whose y axis starts at 0.
 pub(super) struct Plot {
     pub top: f64,
     pub bottom: f64,
-    /// The values at the left and at the right end.
+    /// Values at the left and the right end of the x axis.
     pub across: Pair,
-    /// The value at the top.
+    /// Value at the top of the y axis.
     pub most: f64,
 }
 
@@ -68,7 +68,7 @@ impl Sheet {
         )
     }
 
-    /// Writes words with their `anchor` (start, middle, end) at `x`, and their middle at `y`.
+    /// Writes text with its `anchor` (start, middle, end) at `x`, vertically centred on `y`.
     pub fn words(&mut self, (x, y): Pair, anchor: &str, words: &str, color: Color) {
         let (y, color, words) = (y + 5.0, rgb(color), HtmlEscape(words));
         self.0.push(format!(r#"<text x="{x:.1}" y="{y:.1}" text-anchor="{anchor}" fill="{color}">{words}</text>"#));
@@ -89,7 +89,7 @@ impl Sheet {
         self.0.push(format!(r#"<image {place} preserveAspectRatio="xMinYMin"{look} href="{uri}"/>"#));
     }
 
-    /// Draws a picture in which single pixels stay visible.
+    /// Draws a PNG without smoothing, so that single pixels stay visible.
     pub fn patch(&mut self, at: Pair, within: Pair, png: &[u8]) {
         self.picture(at, within, r#" style="image-rendering:pixelated""#, &data_uri("image/png", png));
     }
@@ -143,7 +143,7 @@ impl Sheet {
         Ok((lefts, TOP + size.1 + GAP + PATCH.1))
     }
 
-    /// Draws a plot: lines with their numbers, and the titles of the axes, across, then up.
+    /// Draws the grid, tick labels and axis titles of a plot; `names` are the titles of the x and the y axis.
     pub fn plot(&mut self, (top, height): Pair, across: Pair, most: f64, names: [&str; 2], digits: usize) -> Plot {
         let plot = Plot { top, bottom: top + height, across, most };
         for value in (0..=4).map(|part| most * f64::from(part) / 4.0) {
@@ -164,7 +164,7 @@ impl Sheet {
         plot
     }
 
-    /// Marks the frames in which the target is hidden.
+    /// Shades the frames of a plot in which the target is hidden.
     pub fn hidden(&mut self, plot: &Plot, spans: &[(usize, usize)]) {
         for &(first, last) in spans {
             let (from, to) = (plot.x(first as f64 + 0.5), plot.x(last as f64 + 1.5));
@@ -190,10 +190,10 @@ impl Sheet {
     }
 }
 
-/// The width of one of four frames side by side.
+/// Width of a frame in a row of four.
 pub(super) const COLUMN: f64 = (WIDTH - 5.0 * GAP) / 4.0;
 
-/// The size of a frame with a margin of padding, scaled so that no side is longer than `longest`.
+/// Returns the size of a frame with a margin of padding, scaled so that its longer side is `longest`.
 pub(super) fn tile(film: &Film, longest: f64, margin: u16) -> Pair {
     let (width, height) = (f64::from(film.size.0 + 2 * margin), f64::from(film.size.1 + 2 * margin));
     let scale = longest / width.max(height).max(1.0);
@@ -212,7 +212,7 @@ fn rgb([red, green, blue]: Color) -> String {
     format!("rgb({red},{green},{blue})")
 }
 
-/// The least of 1, 2, 5, 10, 20, ... that is not below `value`.
+/// Rounds up to 1, 2, 5, 10, 20, ..., as the distance between axis ticks.
 pub(super) fn nice(value: f64) -> f64 {
     let unit = 10_f64.powf(value.max(1.0).log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|times| times * unit).find(|&nice| nice >= value).unwrap_or(10.0 * unit)

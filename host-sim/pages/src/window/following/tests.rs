@@ -10,15 +10,15 @@ use std::thread;
 
 const FRAMES: usize = 60;
 
-/// The first frames of the built-in recording, and how many of them were read.
+/// A source of the first frames of the built-in recording, which counts the frames read.
 #[derive(Default)]
 struct Scene {
     read: AtomicUsize,
     damaged: Option<usize>,
-    /// Only every N-th frame comes, as from a camera whose trackers are busy.
+    /// If set, the source acts as a camera whose trackers are busy: it yields only every N-th frame.
     every: Option<usize>,
     oldest: AtomicUsize,
-    /// The number of frames that the source reports, or 0 if it knows none; then the number that it gives, or 0 for all.
+    /// Count of frames that the source reports, 0 if unknown. `given` is the count that it yields, 0 for all.
     known: usize,
     given: AtomicUsize,
 }
@@ -83,7 +83,7 @@ impl Running {
         Self { followed, scene, position: 0 }
     }
 
-    /// Collects all messages and answers until nothing is left to follow.
+    /// Collects all messages and answers until no answer is missing.
     fn heard(&mut self) -> (Vec<String>, Vec<(u32, usize, Row)>) {
         let (mut said, mut rows) = (Vec::new(), Vec::new());
         loop {
@@ -127,7 +127,7 @@ impl Drop for Running {
     }
 }
 
-/// The answers of a command that reads the frames in order.
+/// Returns the answers of a tracker that simply reads all frames in order, locked in `frames`.
 fn expected(kind: MethodKind, frames: &[usize]) -> Vec<(usize, Report)> {
     let starts = frames.iter().map(|&frame| (frame, lock(frame).rect())).collect();
     let mut follower = Follower::new(variant(kind).build().unwrap(), starts);
@@ -162,7 +162,7 @@ fn a_correction_is_followed_again_alone_and_undone_at_once() {
         (20..=60).map(|frame| (1, frame)).collect::<Vec<_>>()
     );
     assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 20, 40]));
-    // Only the part between the neighbouring locks is followed again: frames 20 to 39.
+    // Only frames 20 to 39, between the neighbouring locks, are tracked again.
     let reads = running.scene.read.load(Ordering::SeqCst);
     let rows = running.set(vec![target(1, &[1, 40]), target(2, &[2])]);
     assert_eq!((rows.len(), rows[0].1, rows[19].1), (20, 20, 39));
@@ -256,7 +256,7 @@ fn a_box_that_is_refused_and_damage_are_said_and_concern_only_who_waited() {
     assert_eq!(said[1], "frame 21 is damaged");
     assert_eq!((answered(&running, 0).len(), answered(&running, 1).len()), (0, 20));
     assert_eq!((running.frames(), running.followed.reached(None)), (Some(FRAMES), (20, None)));
-    // A lock behind the damage is followed as usual.
+    // A target locked behind the damage is tracked as usual.
     running.set(vec![target(2, &[1, 30])]);
     assert_eq!(answered(&running, 0).len(), 20 + FRAMES - 29);
 }
@@ -275,7 +275,7 @@ fn the_end_of_a_read_is_not_the_end_of_the_recording() {
         assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[5]), "a later read goes further");
         assert_eq!(answered(&running, 1), expected(MethodKind::Smr, &[50]));
     }
-    // A recording grows: targets that waited go on once the source knows more frames.
+    // If a recording grows, tracking continues once the source knows more frames.
     let mut running = Running::start(Scene { given: 20.into(), ..Scene::default() }, vec![target(1, &[1])]);
     running.heard();
     assert_eq!(running.frames(), Some(20));
@@ -299,7 +299,7 @@ fn a_page_asks_for_many_answers_by_parts() {
     assert_eq!(all.changed[3], Part { target: 4, from: 1, to: FRAMES });
     let (rows, to) = running.followed.part(Part { target: 4, from: 50, to: usize::MAX });
     assert_eq!((rows.len(), rows[0].0, to), (FRAMES - 49, 50, usize::MAX));
-    // A page that has asked for no news for long begins anew.
+    // A page that has not polled for long reloads everything.
     for turn in 0..1100 {
         running.try_set(vec![target(1, if turn % 2 == 0 { &[1, 30] } else { &[1] }), target(2, &[1])]).unwrap();
     }
@@ -317,7 +317,8 @@ fn a_camera_restores_what_was_and_goes_on_from_what_it_keeps() {
     running.set(vec![target(1, &[1, 15])]);
     running.scene.oldest.store(30, Ordering::SeqCst);
     running.scene.given.store(40, Ordering::SeqCst);
-    // Undo of the correction and of the removal: earlier answers are back, and following goes on with the oldest frame that is kept.
+    // Undo of the correction and of the removal restores the earlier answers; tracking continues at the oldest kept
+    // frame.
     running.set(vec![target(1, &[1]), target(2, &[2])]);
     let frames = |at: usize| answered(&running, at).iter().map(|(frame, _)| *frame).collect::<Vec<_>>();
     let expected: Vec<_> = (1..=20).chain(30..=40).collect();
@@ -326,7 +327,7 @@ fn a_camera_restores_what_was_and_goes_on_from_what_it_keeps() {
         running.refused(vec![target(1, &[3])]),
         "frame 3 of 60: trackers can go back to frame 30 only: lock in a newer frame"
     );
-    // Other trackers cannot be locked in a frame that is gone. That ends nothing else.
+    // After a change of method, targets whose lock's frame is gone fail, and others are tracked.
     running.followed.set_variant(variant(MethodKind::Robust));
     let (said, _) = running.heard();
     assert!(said.iter().any(|said| said.starts_with("frame 1 is not kept any more")), "{said:?}");
