@@ -1,5 +1,4 @@
-//! Colors of boxes, curves and backgrounds in videos and figures. `report/trackers.rs` defines the colors of methods
-//! and of other trackers' result files.
+//! Colors of boxes, curves and backgrounds. `report/trackers.rs` defines the colors of methods and of result files.
 
 use smr_core::State;
 

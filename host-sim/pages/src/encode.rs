@@ -66,8 +66,7 @@ pub fn pgm(GrayFrame { width, height, pixels }: &GrayFrame) -> Vec<u8> {
     [format!("P5\n{width} {height}\n255\n").as_bytes(), pixels].concat()
 }
 
-/// JPEG quality in percent: `GOOD` for a picture shown alone, `ENOUGH` for a page with many frames, which must stay
-/// small.
+/// JPEG quality in percent: `GOOD` for a single picture, `ENOUGH` for a page with many, which must stay small.
 pub(crate) const GOOD: u8 = 88;
 pub(crate) const ENOUGH: u8 = 75;
 

@@ -10,7 +10,6 @@ const MODULES: [&[(&str, &str)]; 2] = include!(concat!(env!("OUT_DIR"), "/module
 const WINDOW: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.html"));
 /// A glossary of the terms on the pages, as the items of an HTML list.
 pub const WORDS: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/words.html"));
-/// CSS of every page.
 pub const STYLES: [&str; 2] =
     [include_str!("report/base.css"), include_str!(concat!(env!("SMR_FRONT_END"), "/page.css"))];
 const WINDOW_STYLE: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.css"));
@@ -20,7 +19,6 @@ pub fn window(scripts: &str) -> String {
     WINDOW.replace("{{style}}", &(STYLES.concat() + WINDOW_STYLE)).replace("{{scripts}}", scripts)
 }
 
-/// Returns the text of a JavaScript module of `host-sim view` by its file name.
 pub fn module(name: &str) -> Option<&'static str> {
     MODULES[0].iter().find(|(module, _)| *module == name).map(|(_, text)| *text)
 }

@@ -56,7 +56,6 @@ impl Format {
         }
     }
 
-    /// True if the extension of `file` fits this format.
     pub fn is_called(self, file: &Path) -> bool {
         let ending = file.extension().and_then(|ending| ending.to_str());
         ending.is_some_and(|ending| self.endings().iter().any(|known| ending.eq_ignore_ascii_case(known)))
@@ -78,7 +77,6 @@ pub struct About {
 }
 
 impl About {
-    /// Returns the target's name; `target` if it has none.
     fn label(&self, target: usize) -> &str {
         self.targets.get(target).and_then(Option::as_deref).unwrap_or("target")
     }
@@ -119,7 +117,6 @@ impl Printer {
         }
     }
 
-    /// True if targets have names; each line of CSV then begins with the name.
     fn is_named(&self) -> bool {
         self.about.targets.iter().any(Option::is_some)
     }
@@ -218,8 +215,7 @@ struct Whole {
     height: u16,
 }
 
-/// Formats a line of MOTChallenge (MOT16, arXiv:1603.00831): frames, targets and pixels count from 1; an unknown value
-/// is -1.
+/// Formats a line of MOTChallenge (arXiv:1603.00831): frames, targets and pixels count from 1; an unknown value is -1.
 fn mot(&Answer { target, frame, report, .. }: &Answer<'_>) -> String {
     let Some((report, BoundingBox { x, y, width, height })) = report.and_then(|report| Some((report, report.target?)))
     else {

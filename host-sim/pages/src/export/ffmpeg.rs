@@ -20,7 +20,6 @@ pub(super) struct Ffmpeg {
     said: Receiver<String>,
     /// Channel, for one frame, to the thread that writes to ffmpeg and may block.
     frames: SyncSender<Vec<u8>>,
-    /// Count of chunks written to ffmpeg.
     chunks: Arc<AtomicU64>,
     file: PathBuf,
     patience: Duration,

@@ -47,8 +47,8 @@ impl Overlay {
         self.width.min(self.height) / 240 + 1
     }
 
-    /// Draws the box's outline with a dark border, visible on any background. Both lie outside the box, because targets
-    /// are small.
+    /// Draws an outline with a dark border, visible on any background. It is outside the box, because targets are
+    /// small.
     pub fn outline(&mut self, target: &BoundingBox, color: Color) {
         let Some(rect) = target.to_rect() else { return };
         // Clamps coordinates far outside the frame, where lines are invisible, against overflow.

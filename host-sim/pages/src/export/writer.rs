@@ -50,7 +50,6 @@ impl Format {
         matches!(self, Self::Vot | Self::Otb | Self::Got10k)
     }
 
-    /// Extensions of files that contain all frames.
     pub const OF_FILES: [&str; 6] = ["y4m", "raw", "gray", "bin", "y8", "h"];
 
     pub fn of_file(path: &Path) -> Option<Self> {
@@ -79,7 +78,6 @@ pub struct Written {
     pub config: Option<PathBuf>,
 }
 
-/// JPEG quality in percent.
 const QUALITY: u8 = 100;
 
 /// A recording being written. It appears under its name in [`Writer::finish`].
@@ -148,9 +146,8 @@ impl Writer {
         self.folder.as_ref().map_or(Ok(()), |folder| folder.write(&picture, bytes))
     }
 
-    /// Ends the recording. A folder gets `init.txt` and, with `truth`, `gt.txt` (both in TLD's format), or the
-    /// toolkit's files. A toolkit gets `truth` if it has an entry for each frame and a box in the first, else only the
-    /// start box.
+    /// Ends the recording. A folder gets `init.txt` and, with `truth`, `gt.txt` (both in TLD's format). A toolkit's
+    /// files get `truth` if it has an entry for each frame and a box in the first, else only the start box.
     pub fn finish(mut self, truth: Option<&[Option<BoundingBox>]>) -> Result<Written> {
         if self.format == Format::H && self.written.frames > 0 {
             let foot = c_array::foot(&self.name);
@@ -209,8 +206,7 @@ fn files(
     let lines = |line: &dyn Fn(Option<&BoundingBox>) -> String| {
         boxes.iter().map(|entry| line(entry.as_ref()) + "\n").collect::<String>()
     };
-    // In a frame without a box, the toolkits of OTB and GOT-10k need four values that are not NaN; VOT's reads a single
-    // one.
+    // Without a box, the toolkits of OTB and GOT-10k need four values that are not NaN; VOT's reads a single value.
     let shown = |form: Form| lines(&|entry| entry.map_or_else(|| "0,0,0,0".to_owned(), |seen| form.line(Some(seen))));
     if format == Format::Otb {
         return vec![("groundtruth_rect.txt", shown(Form::Otb))];

@@ -15,8 +15,7 @@ pub(super) struct Difference {
 
 /// Gray levels that one bar of a histogram spans.
 pub(super) const BAR: usize = 2;
-/// Count of bars of a histogram. The last bar includes all larger differences, because they do not count: the threshold
-/// alpha is mostly far below.
+/// Bars of a histogram. The last one includes all larger differences: they mostly exceed alpha and thus do not count.
 pub(super) const BARS: usize = 64;
 
 impl Difference {

@@ -71,7 +71,6 @@ pub enum Refusal {
     LeftOut,
 }
 
-/// Answers of all methods in one frame.
 pub struct Moment {
     /// A report for each method. It is *lost* before the first box of a target, and while the target is gone.
     pub reports: Vec<Report>,
@@ -86,10 +85,9 @@ pub(super) struct Still {
     pub sights: Vec<Sight>,
 }
 
-/// Runs all `methods` on all `targets` of the sequence; without targets, on the sequence's start box. `refusal` decides
-/// about a method that refuses its box. Frames are not kept, except the `stills` (indices from 0) and, with `budget`,
-/// small pictures of all frames in this many bytes. `progress` is called after each frame. A film of several targets
-/// has no ground truth.
+/// Runs all `methods` on all `targets` of the sequence; without targets, on the sequence's start box. Frames are not
+/// kept, except the `stills` (indices from 0) and, with `budget`, small pictures of all frames in this many bytes.
+/// `progress` is called after each frame. A film of several targets has no ground truth.
 /// Errors: No method, no box to start from, a frame that cannot be read or tracked, or a still or a box in a frame that does not exist.
 pub fn watch(
     sequence: Sequence,

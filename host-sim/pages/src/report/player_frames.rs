@@ -1,5 +1,4 @@
-//! Small pictures of a recording's frames for the report's player, within a byte budget: beyond it, they get smaller,
-//! then fewer.
+//! Small pictures of frames for the report's player, in a limited number of bytes: they get smaller, then fewer.
 
 use super::difference::{BARS, differences, patch};
 use super::page_data::round;

@@ -4,8 +4,7 @@ use super::{Lock, Target};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use smr_recordings::{BoundingBox, checked_name};
 
-/// Parses CSV or CVAT XML into targets with their locks.
-/// Errors: The text is neither CSV nor CVAT XML, a line is wrong, or there is no box to lock on.
+/// Parses CSV or CVAT XML into targets. Errors: It is neither, a line is wrong, or there is no box to lock on.
 pub fn read(text: &str) -> Result<Vec<Target>> {
     let text = text.trim_start_matches('\u{feff}');
     let read = if text.trim_start().starts_with('<') { of_cvat(text)? } else { of_csv(text)? };
@@ -51,7 +50,6 @@ impl Reading {
     }
 }
 
-/// Required columns of the CSV, in any order.
 const COLUMNS: [&str; 5] = ["frame", "x", "y", "width", "height"];
 
 fn row(names: &[&str], line: &str, all: &mut Vec<Reading>) -> Result<()> {
@@ -76,9 +74,8 @@ fn row(names: &[&str], line: &str, all: &mut Vec<Reading>) -> Result<()> {
     if has_none { Ok(()) } else { all[at].lock(frame, bbox.join(",").parse()?) }
 }
 
-/// Parses CSV. A row with a box and no confidence becomes a lock. A row with a confidence is a tracker's answer and is
-/// skipped, because a lock in each of them would end every correction after one frame. If there is a column `state`,
-/// the target is gone in frames without a row.
+/// Parses CSV. A row with a box becomes a lock, unless it has a confidence: it is a tracker's answer then, and a lock
+/// there would end a correction after one frame. If there is a column `state`, a frame without a row ends the target.
 fn of_csv(text: &str) -> Result<Vec<Reading>> {
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
     let (number, head) = lines.next().context("it is empty: expected CSV or CVAT XML")?;

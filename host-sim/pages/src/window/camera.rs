@@ -22,7 +22,6 @@ const MOST_PICTURES: usize = 160 << 20;
 /// Frame number, and the frame's colors either as luma and chroma planes or as RGB.
 type Colors = (usize, Option<Planes>, Option<ColorFrame>);
 
-/// A camera, read by a thread of its own.
 pub struct Camera(Arc<Shared>);
 
 struct Shared {
@@ -61,7 +60,6 @@ impl State {
         }
     }
 
-    /// Returns the number of the oldest cached gray frame, or of the next frame if there is none.
     fn oldest_gray(&self) -> usize {
         self.gray.all().first_key_value().map_or(self.newest + 1, |(first, _)| *first)
     }

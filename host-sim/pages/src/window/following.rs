@@ -1,11 +1,9 @@
 //! Runs the trackers of the window in a thread, and stores their answers.
 //!
-//! A target is locked on a box in one or more frames. A [`Segment`] holds its answers from one lock to the next. A
-//! correction creates one new segment; the other segments keep their answers. Unused segments are kept for undo.
-//!
-//! The thread reads frames in passes. A pass starts at the earliest frame that lacks an answer, and runs the trackers
-//! that need each frame. A lock in an earlier frame starts a new pass there. If frames end or fail, segments that
-//! need later frames wait for the next change.
+//! A [`Segment`] contains a target's answers from one lock (a box that the user drew) to the next. A correction creates
+//! one new segment; the other segments keep their answers. Unused segments are kept for undo. The thread reads from the
+//! earliest frame that lacks an answer; after a lock in an earlier frame, it starts again there. If frames end or fail,
+//! segments that need later frames wait for the next change.
 
 use super::news::{News, Part};
 use super::{Known, Source, lock};
@@ -20,7 +18,6 @@ use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// An object to track, with the boxes that the user drew.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Target {
     /// Identifier assigned by the page, never reused for another target.
@@ -82,7 +79,6 @@ pub struct Row {
     pub time: Option<f64>,
 }
 
-/// Identifies a segment by its target, its lock, and the settings of the tracker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Key {
     target: u32,
@@ -127,8 +123,7 @@ const SPARE_ROWS: usize = 1 << 18;
 const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
 /// Longest run of unneeded frames that is read and discarded; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
-/// Most trackers in memory; beyond it, those without missing answers are dropped. A file of boxes may have a lock in
-/// each frame, and each lock has its own tracker.
+/// Most trackers (one for each lock) in memory; beyond it, those with all their answers are dropped.
 const MOST_TRACKERS: usize = if cfg!(test) { 8 } else { 64 };
 /// Most answers per segment of a camera: five minutes at 60 frames a second.
 const MOST_LIVE_ROWS: usize = 18_000;
@@ -151,7 +146,6 @@ struct State {
     stopped: bool,
 }
 
-/// The targets of a window and their answers, shared by the tracking thread and the pages.
 pub struct Followed {
     state: Mutex<State>,
     changed: Condvar,
@@ -187,7 +181,6 @@ impl State {
         self.plan().filter_map(task).collect()
     }
 
-    /// Returns (frame, answer) of a target in a range of frames, in order.
     fn rows(&self, Part { target, from, to }: Part) -> impl Iterator<Item = (usize, Row)> + '_ {
         let target = self.targets.iter().find(move |one| one.id == target);
         let plan = target.into_iter().flat_map(|target| planned(target, self.edition));
@@ -204,8 +197,7 @@ impl State {
         })
     }
 
-    /// Marks all answers from `part.from` on as changed, even those after `part.to`, because log positions must ascend
-    /// within a segment.
+    /// Marks all answers from `part.from` on as changed, even after `part.to`: log positions ascend within a segment.
     fn tell_again(&mut self, part: Part) {
         self.news.void(part);
         let Self { targets, segments, news, edition, .. } = self;
@@ -221,8 +213,7 @@ impl State {
         known.map(|known| known.max(self.seen)).or(self.end)
     }
 
-    /// Validates targets and sorts their locks. A new lock before frame `oldest`, which a camera has dropped, is an
-    /// error.
+    /// Validates targets and sorts their locks. A new lock before frame `oldest`, the first that is kept, is an error.
     fn checked(&self, mut targets: Vec<Target>, known: Option<usize>, oldest: usize) -> Result<Vec<Target>> {
         for target in &mut targets {
             target.locks.sort_by_key(|lock| lock.frame);
@@ -304,8 +295,7 @@ pub(super) struct Heard {
     /// Frame ranges whose answers the page discards before it stores `rows`.
     pub void: Vec<Part>,
     pub changed: Vec<Part>,
-    /// New answers (target, frame, row); empty if there are too many, so that the page requests the ranges in
-    /// `changed`.
+    /// New answers; empty if there are too many, so that the page requests the ranges in `changed`.
     pub rows: Vec<(u32, usize, Row)>,
     pub said: Vec<String>,
     pub made: Vec<u32>,
@@ -495,8 +485,7 @@ impl Followed {
         (open.or_else(done).unwrap_or(0), at)
     }
 
-    /// Returns the last frame before damaged data, at which a command would fail; `None` if a target is locked behind
-    /// it.
+    /// Returns the last frame before damage that fails a command; `None` if a target is locked behind it.
     pub fn whole(&self) -> Option<usize> {
         let state = self.state();
         let mut locks = state.targets.iter().flat_map(|target| &target.locks);
@@ -590,8 +579,7 @@ impl Following<'_> {
         Some((last, None))
     }
 
-    /// Handles frames that ended at `last` after reading from `start`. It is the recording's end only if the source
-    /// knows of no more frames.
+    /// Handles the end of reading at `last`, which is the recording's end only if the source knows of no more frames.
     fn ended(&self, start: usize, last: usize, error: Option<&Error>) {
         let known = self.source.known().frames;
         self.followed.change(|state| {

@@ -1,5 +1,4 @@
-//! Videos and reports that the user orders on the page. A child process of host-sim writes each one, with the command
-//! line that the page shows.
+//! Videos and reports that the user orders on the page. A child process of host-sim writes each one.
 
 use super::lock;
 use anyhow::{Context, Result, ensure};
@@ -16,7 +15,6 @@ use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread;
 
-/// An output file, and the command line of host-sim that writes it.
 pub struct Job {
     /// Name under which the browser saves the file: letters, digits and `-_.` only.
     pub name: String,
@@ -66,7 +64,6 @@ impl Made {
         self.folder.path().join(id.to_string())
     }
 
-    /// Returns the name and the content of the finished file `id`.
     pub(super) fn file(&self, id: u32) -> Result<(String, Vec<u8>)> {
         let name = self.of(id).and_then(|one| one.file).context("there is no such file, or it is not ready")?;
         let file = self.folder_of(id).join(&name);
@@ -84,8 +81,7 @@ impl Made {
         self.folder.private("open.html", lead.as_bytes())
     }
 
-    /// Starts the program that writes a file, and returns the file's id. `tell` gets the id now and after each
-    /// progress.
+    /// Starts the program that writes a file. `tell` is called with the file's id now and after each progress.
     /// Errors: Too many files are being made already, or the program does not start.
     pub(super) fn begin(self: &Arc<Self>, job: Job, tell: impl Fn(u32) + Send + 'static) -> Result<u32> {
         let Job { name, words, lines } = job;

@@ -45,7 +45,7 @@ fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// A source of frames for the window: a recording or a camera. Frame numbers start at 1.
 pub trait Source: Send + Sync {
-    /// Returns the count of frames known so far and their times. Both only grow.
+    /// Returns the count of frames known so far and their times in seconds. Both only grow.
     fn known(&self) -> Known;
 
     /// Reads the gray frames from frame `number` on. Errors: They cannot be read, or are not kept any more.
@@ -59,8 +59,7 @@ pub trait Source: Send + Sync {
     /// Returns the frame as a JPEG, in color if the source has color; `None` if there is no such frame.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;
 
-    /// Returns the frame at full resolution, in color if the source has color; `None` if there is no such frame, or
-    /// only its JPEG is kept.
+    /// Returns the frame at full resolution; `None` if there is no such frame, or only its JPEG is kept.
     fn color(&self, _number: usize) -> Option<Arc<ColorFrame>> {
         None
     }
@@ -73,7 +72,6 @@ pub trait Source: Send + Sync {
     fn stop(&self) {}
 }
 
-/// Count of frames, and their times in seconds, as far as known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
     pub frames: Option<usize>,
@@ -90,6 +88,5 @@ pub struct LiveState {
     /// Milliseconds from the arrival of a frame to its answer.
     pub latency_ms: f64,
     pub rate: f64,
-    /// True if no more frames will come.
     pub has_ended: bool,
 }

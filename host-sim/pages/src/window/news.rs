@@ -1,5 +1,4 @@
-//! A log of changes, numbered by positions. A page polls with the last position that it has seen, and gets the later
-//! changes.
+//! A log of changes by position. A page polls with the last position that it has seen, and gets the later changes.
 
 use std::collections::VecDeque;
 

@@ -38,7 +38,6 @@ pub trait Wish: Send + Sync {
     fn firmware(&self, variant: &Variant) -> String;
 }
 
-/// A window: a source, its targets, and the page that shows them.
 pub struct Window {
     pub name: String,
     pub size: (u16, u16),
@@ -151,7 +150,6 @@ impl Window {
         })
     }
 
-    /// Saves the targets, the method and its options in the session.
     fn keep(&self) {
         self.told(self.session.keep(|work| {
             let variant = self.followed.variant();

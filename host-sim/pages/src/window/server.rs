@@ -75,7 +75,6 @@ impl Reply {
         Self { status: 200, kind, body: body.into(), file: None }
     }
 
-    /// Returns a plain-text reply with an error message.
     pub fn error(status: u16, said: &str) -> Self {
         Self { status, ..Self::new("text/plain; charset=utf-8", said) }
     }
@@ -159,7 +158,6 @@ impl Door {
         lock(&self.strangers)
     }
 
-    /// Returns the reply to a request on the connection `id`.
     async fn answered(self: Arc<Self>, id: u64, request: hyper::Request<Incoming>) -> Response<Full<Bytes>> {
         let Some(path) = self.entered(&request) else {
             let mut refused = reply(Reply::error(403, ""));

@@ -26,7 +26,6 @@ pub struct Work {
 }
 
 impl Work {
-    /// Returns the initial work on a recording: no method, options or targets yet.
     pub fn new(recording: &str) -> Self {
         let (recording, method, options) = (recording.to_owned(), String::new(), Map::new());
         Self { smr_session: VERSION, recording, method, options, targets: Vec::new(), frame: None }
@@ -75,8 +74,7 @@ impl Session {
         lock(&self.kept).work.frame
     }
 
-    /// Saves the number of the shown frame, if the file contains the work of this window. Returns a message for the
-    /// user, if there is one.
+    /// Saves the number of the shown frame, if the file has this window's work. Returns a message for the user, if any.
     pub(super) fn shows(&self, frame: usize) -> Option<String> {
         let mut kept = lock(&self.kept);
         kept.work.frame = Some(frame);

@@ -5,7 +5,6 @@ use super::{About, Answer, score};
 use anyhow::Result;
 use serde_json::json;
 
-/// The frame numbers so far, the frame size, and the count of annotations.
 #[derive(Default)]
 pub(super) struct Images {
     frames: Vec<usize>,

@@ -10,7 +10,6 @@ use smr_core::Rect;
 use smr_evaluation::{CORRECT, centre_errors, name_of};
 use smr_recordings::{BoundingBox, GrayFrame};
 
-/// Draws the boxes of SMR and SAD in one frame, with the pixels that each compared.
 pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
     const TILE: f64 = 400.0;
     const PATCH: Pair = (140.0, 120.0);
@@ -87,8 +86,8 @@ pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(top + PLOT + 3.0 * LINE))
 }
 
-/// Returns the difference from the template in the method's box, moved to the ground truth. If the method's start box
-/// was beside the ground truth, that offset is kept.
+/// Returns the difference from the template in the method's box, moved to the ground truth with its offset at the
+/// start.
 fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference> {
     let start = BoundingBox::from(film.targets[0].start()).centre();
     let first = film.truth_at(0).map_or(start, |first| first.centre());

@@ -97,8 +97,7 @@ const AROUND: usize = 40;
 /// Distance in frames from an occlusion of the pictures before and after it.
 const BESIDE: usize = 10;
 
-/// Returns the frame `wish`; without it, the frame in which SMR leads SAD by the most. The first frame, in which
-/// nothing is compared, is an error.
+/// Returns the frame `wish`, if it is not the first one; without it, the frame in which SMR leads SAD by the most.
 fn lead_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     let Some(frame) = wish else {
         let leads = (1..film.moments.len()).filter_map(|index| Some((index, lead(film, index)?)));
@@ -122,8 +121,7 @@ fn visible_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     Ok(frame)
 }
 
-/// Returns the lead of SMR over SAD: the difference of their IoU with the ground truth; without ground truth, 1 minus
-/// the IoU of their boxes.
+/// Returns the lead of SMR over SAD in IoU with the ground truth; without it, 1 minus the IoU of their boxes.
 fn lead(film: &Film, index: usize) -> Option<f64> {
     let [smr, sad] = [SMR, SAD].map(|method| film.moments[index].reports[method].target);
     if film.truth.is_none() {
@@ -204,7 +202,6 @@ fn around(film: &Film, (first, last): (usize, usize)) -> (usize, usize) {
     (first.saturating_sub(AROUND), (last + AROUND).min(film.moments.len() - 1).max(first + 1))
 }
 
-/// More tests: the figures of the built-in recording in `tests/host_sim/figures.rs`, error messages in `tests/cases`.
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -94,7 +94,6 @@ impl Sheet {
         self.picture(at, within, r#" style="image-rendering:pixelated""#, &data_uri("image/png", png));
     }
 
-    /// Writes the legend: SMR, SAD and, with `truth`, the ground truth, each with its color and stroke.
     pub fn legend(&mut self, truth: bool) {
         let all = [("SMR", color_of(SMR), SOLID), ("SAD", color_of(SAD), DASHED), ("truth", TRUTH, DOTTED)];
         for (place, (name, color, stroke)) in all[..2 + usize::from(truth)].iter().rev().enumerate() {

@@ -10,7 +10,6 @@ use std::thread;
 
 const FRAMES: usize = 60;
 
-/// A source of the first frames of the built-in recording, which counts the frames read.
 #[derive(Default)]
 struct Scene {
     read: AtomicUsize,
@@ -256,7 +255,6 @@ fn a_box_that_is_refused_and_damage_are_said_and_concern_only_who_waited() {
     assert_eq!(said[1], "frame 21 is damaged");
     assert_eq!((answered(&running, 0).len(), answered(&running, 1).len()), (0, 20));
     assert_eq!((running.frames(), running.followed.reached(None)), (Some(FRAMES), (20, None)));
-    // A target locked behind the damage is tracked as usual.
     running.set(vec![target(2, &[1, 30])]);
     assert_eq!(answered(&running, 0).len(), 20 + FRAMES - 29);
 }
@@ -317,8 +315,7 @@ fn a_camera_restores_what_was_and_goes_on_from_what_it_keeps() {
     running.set(vec![target(1, &[1, 15])]);
     running.scene.oldest.store(30, Ordering::SeqCst);
     running.scene.given.store(40, Ordering::SeqCst);
-    // Undo of the correction and of the removal restores the earlier answers; tracking continues at the oldest kept
-    // frame.
+    // Undo restores the earlier answers; tracking continues at the oldest kept frame.
     running.set(vec![target(1, &[1]), target(2, &[2])]);
     let frames = |at: usize| answered(&running, at).iter().map(|(frame, _)| *frame).collect::<Vec<_>>();
     let expected: Vec<_> = (1..=20).chain(30..=40).collect();
