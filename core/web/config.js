@@ -1,24 +1,20 @@
-// The options of a tracker: the settings of the C interface, whose names are in camel case here.
+// Options of a tracker: the settings of the C interface, with names in camel case.
 
 import { object, whole } from "./errors.js";
 import { array, flag, struct, u16, u32, u8 } from "./layout.js";
 
-/** The C interface's `smr_setting`. */
+/** Layout of the C interface's `smr_setting`. */
 export const SETTING = struct({ name: u32, shape: u8, count: u8, lowest: u16, highest: u16, values: array(u16, 4) });
 /** Memory for an `smr_config`. */
 export const CONFIG = array(u32, 32);
 const [SWITCH, FRACTION] = [1, 2]; // shapes
 const PLAIN_LOOP = 4; // its place in an `smr_config`
 
-/** Checks `options`: an object, or nothing. */
 export function checkOptions(options = {}) {
   return object(options, "the options", "an object");
 }
 
-/**
- * Writes `options` over the numbers of a preset at `config`, and returns all options by name. An option that is undefined
- * keeps the number of the preset.
- */
+/** Writes `options` over the preset at address `config`, except undefined ones. Returns all options by name. */
 export function useOptions(library, config, method, options) {
   const [given, known] = [Object.entries(options).filter(([, value]) => value !== undefined), settingsOf(library, config)];
   for (const [name, value] of given) {

@@ -1,4 +1,4 @@
-// The errors of a call: the statuses of the C interface, with the texts of the library's errors.
+// Errors of calls: the statuses of the C interface with the library's messages, and checks of arguments.
 
 import { WORDS } from "./words.js";
 
@@ -11,7 +11,7 @@ export class SmrError extends Error {
   }
 }
 
-/** The error of a saved target that was refused because of a setting. */
+/** Returns the error for a saved target whose setting `name` differs from the tracker's. */
 export function otherSetting(name) {
   const status = "SMR_ERROR_OTHER_CONFIG";
   return new SmrError(status, WORDS[status].replace("{}", name));
@@ -28,7 +28,6 @@ export function whole(value, least, most, name) {
   return value;
 }
 
-/** Returns `value` if it is an object, else throws. */
 export function object(value, name, expected) {
   if (typeof value !== "object" || value === null) {
     throw new TypeError(`${name} must be ${expected}, not ${named(value)}`);
@@ -36,12 +35,12 @@ export function object(value, name, expected) {
   return value;
 }
 
-/** The name of the class of a built-in object. Unlike `instanceof` it knows those of another realm: a frame, a context of Node. */
+/** Returns the class name of a built-in object. Unlike `instanceof`, it works across realms, such as iframes. */
 export function kindOf(value) {
   return Object.prototype.toString.call(value).slice(8, -1);
 }
 
-/** Returns the kind of `value` if it is one of these arrays of bytes, else throws. */
+/** Returns the class name of `value` if it is one of `kinds` (byte arrays), else throws. */
 export function bytesOf(value, name, kinds) {
   const kind = kindOf(value);
   if (!ArrayBuffer.isView(value) || !kinds.includes(kind)) {
@@ -50,7 +49,7 @@ export function bytesOf(value, name, kinds) {
   return kind;
 }
 
-/** The text of a value in the message of an error. */
+/** Formats the type of a value for an error message. */
 export function named(value) {
   if (value === null || value === undefined) {
     return String(value);

@@ -1,11 +1,10 @@
-// Frames in the forms that JavaScript has: gray bytes, or the colors of a canvas. Only the pixels of a window are
-// copied.
+// Frames as JavaScript has them: gray bytes, or the RGBA of a canvas. Only the pixels of a window are copied.
 
 import { SmrError, bytesOf, object, whole } from "./errors.js";
 
 const SIDE = 65535;
 
-/** The layout of a frame, checked: { data, width, height, channels, stride }. */
+/** Validates a frame and returns its layout: { data, width, height, channels, stride }. */
 export function frameOf(frame) {
   const { data, width, height, stride, format } = object(frame, "the frame", "an object with data, width and height");
   const channels = channelsOf(data, format);
@@ -22,14 +21,14 @@ export function frameOf(frame) {
   if (checked.stride < row) {
     throw new SmrError("SMR_ERROR_STRIDE_TOO_SMALL");
   }
-  // A buffer that was transferred has no bytes.
+  // This also detects a buffer that was transferred to another thread, which has no bytes.
   if (data.length < (height - 1) * checked.stride + row) {
     throw new SmrError("SMR_ERROR_FRAME_TOO_SHORT");
   }
   return checked;
 }
 
-// Refuses pixels of another kind. They would be read without an error: colors as gray, say.
+// Throws if the bytes per pixel show another format, which would be misread without an error: colors as gray, say.
 function checkPixels(bytes, channels) {
   if (Number.isInteger(bytes) && bytes >= 1 && bytes <= 4 * channels && bytes !== channels) {
     const expected = channels === 1 ? '1 byte for each pixel (gray), or 4 with format: "rgba"' : '4 bytes for each pixel (RGBA), or 1 with format: "gray"';
@@ -37,7 +36,7 @@ function checkPixels(bytes, channels) {
   }
 }
 
-// Bytes of a pixel, by the kind of frame.
+// Returns the bytes of a pixel, by the format or else by the type of array.
 function channelsOf(data, format) {
   const kind = bytesOf(data, "the frame's data", ["Uint8Array", "Uint8ClampedArray"]);
   const channels = new Map([["gray", 1], ["rgba", 4], [undefined, kind === "Uint8ClampedArray" ? 4 : 1]]).get(format ?? undefined);
@@ -61,7 +60,7 @@ export function copyWindow(frame, window, to) {
   }
 }
 
-// The gray of host-sim: the weights add up to 65536. Alpha is ignored.
+// Converts RGBA to gray as host-sim does: the weights add up to 65536. Alpha is ignored.
 function copyLuma(rgba, from, to, at, pixels) {
   for (let end = at + pixels; at < end; at++, from += 4) {
     to[at] = (19595 * rgba[from] + 38470 * rgba[from + 1] + 7471 * rgba[from + 2] + 32768) >> 16;

@@ -1,7 +1,6 @@
-// The layout of C's structs on 32 bits: the fields in their order, each at the next multiple of its alignment.
-//
-// A type has its size and alignment, and reads and writes a value at an address of a DataView. What it writes it
-// checks. `name` is the value's name in the text of an error.
+// Layout of C structs on 32 bits: the fields in order, each at the next multiple of its alignment. A type has a size
+// and an alignment, and reads and writes values at an address of a DataView. Writing validates the value; `name` is its
+// name in an error message.
 
 import { object, whole } from "./errors.js";
 
@@ -15,17 +14,15 @@ const integer = (kind, size, least, most) => ({
 export const u8 = integer("Uint8", 1, 0, 255);
 export const u16 = integer("Uint16", 2, 0, 65535);
 export const u32 = integer("Uint32", 4, 0, 2 ** 32 - 1);
-// Not -2^31: its negative would be no i32.
+// Excludes -2^31, whose negative is not an i32.
 export const i32 = integer("Int32", 4, 1 - 2 ** 31, 2 ** 31 - 1);
 
-/** A byte that is true or false. */
 export const flag = {
   ...u8,
   read: (view, at) => view.getUint8(at) !== 0,
   write: (view, at, value, name) => view.setUint8(at, whole(typeof value === "boolean" ? Number(value) : value, 0, 1, name)),
 };
 
-/** `count` values of a type. */
 export const array = (type, count) => ({
   ...type,
   size: count * type.size,
@@ -38,7 +35,7 @@ export const array = (type, count) => ({
   },
 });
 
-/** A struct with these fields: their types by their names. `places` has the place of each. */
+/** A struct with these fields (types by name). `places` has the byte offset of each. */
 export function struct(fields) {
   const [places, next] = [{}, (at, alignment) => Math.ceil(at / alignment) * alignment];
   let [size, alignment] = [0, 1];

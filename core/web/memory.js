@@ -1,8 +1,5 @@
-// The memory of the WebAssembly module beyond the library's own data: gives out blocks, takes them back, and gives
-// access to their bytes.
-//
-// The library does not allocate. Its callers do: here, first fit in a list of free blocks. The memory grows only if no
-// free block is large enough.
+// Allocates blocks in the memory of the WebAssembly module, behind the library's own data: first fit in a list of free
+// blocks. The library itself does not allocate. The memory grows only if no free block is large enough.
 
 const PAGE = 65536;
 const ALIGNMENT = 8; // SMR_ALIGNMENT of smr.h
@@ -16,14 +13,14 @@ export class Memory {
   #free = []; // { at, size }, by address; never two that touch
   #taken = new Map(); // sizes, by address
 
-  /** `memory`: a WebAssembly.Memory; `start`: the first address that is free. */
+  /** `memory` is a WebAssembly.Memory, `start` its first free address. */
   constructor(memory, start) {
     this.#memory = memory;
     const at = aligned(start);
     this.#release(at, memory.buffer.byteLength - at);
   }
 
-  /** All bytes of the memory. A call that takes memory may replace this array. */
+  /** All bytes of the memory. Allocation may replace this array. */
   get bytes() {
     this.#look();
     return this.#bytes;
@@ -34,7 +31,7 @@ export class Memory {
     return this.#view;
   }
 
-  /** Takes a block of at least `size` bytes and returns its address. */
+  /** Allocates at least `size` bytes and returns their address. */
   take(size) {
     const wanted = Math.max(aligned(size), ALIGNMENT);
     let place = this.#free.findIndex((block) => block.size >= wanted);
@@ -53,7 +50,7 @@ export class Memory {
     return at;
   }
 
-  /** Gives back the block at `at`. Does nothing if `at` is 0. */
+  /** Frees the block at address `at`. Does nothing if `at` is 0. */
   give(at) {
     if (at === 0) {
       return;
@@ -62,18 +59,17 @@ export class Memory {
     this.#taken.delete(at);
   }
 
-  /** A copy of `size` bytes. */
   copy(at, size) {
     return this.bytes.slice(at, at + size);
   }
 
-  /** The text that ends with a zero at `at`. */
+  /** Reads the zero-terminated text at address `at`. */
   text(at) {
     const bytes = this.bytes;
     return String.fromCharCode(...bytes.subarray(at, bytes.indexOf(0, at)));
   }
 
-  // When a module grows, its memory gets another buffer.
+  // Renews the views: when the memory grows, it gets another buffer.
   #look() {
     if (this.#bytes.buffer !== this.#memory.buffer) {
       this.#bytes = new Uint8Array(this.#memory.buffer);
@@ -102,7 +98,7 @@ export class Memory {
     this.#join(place - 1);
   }
 
-  // Joins two blocks that touch.
+  // Merges the free block at index `place` with the next one if they touch.
   #join(place) {
     const [block, next] = [this.#free[place], this.#free[place + 1]];
     if (block !== undefined && next !== undefined && block.at + block.size === next.at) {

@@ -1,7 +1,6 @@
 // A flight recorder: keeps the last frames of a tracker and its answers. `host-sim replay FILE` runs the record again.
-//
-// The library writes the record (smr_record in smr.h). It begins with the configuration and the saved target, so that
-// old frames can be dropped.
+// The library writes the record (smr_record in smr.h) in segments. Each segment begins with the configuration and the
+// saved target, so that older ones can be dropped.
 
 import { whole } from "./errors.js";
 
@@ -13,14 +12,13 @@ export class Recorder {
   #segments = []; // at most two: of pieces
   #bytes = 0; // of the last segment
 
-  /** Records `tracker` from now on. `bytes` is the memory to keep; older frames are dropped. */
+  /** Records `tracker` from now on, in about `bytes` of memory; older frames are dropped. */
   constructor(tracker, { bytes = DEFAULT_BYTES } = {}) {
     this.#tracker = tracker;
     this.#most = whole(bytes, 1, Number.MAX_SAFE_INTEGER, "bytes") / 2;
     tracker.record(this.#take);
   }
 
-  /** The record as bytes. */
   bytes() {
     const pieces = this.#segments.flat();
     const bytes = new Uint8Array(pieces.reduce((sum, piece) => sum + piece.length, 0));
@@ -28,7 +26,6 @@ export class Recorder {
     return bytes;
   }
 
-  /** Stops recording. Other recorders of the tracker go on. */
   stop() {
     this.#tracker.unrecord(this.#take);
   }

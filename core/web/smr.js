@@ -1,5 +1,4 @@
-// The trackers of smr in JavaScript: conversions over the C interface (smr.h), which is compiled to WebAssembly.
-// README.md describes them.
+// The trackers of smr in JavaScript: a wrapper of the C interface (smr.h), compiled to WebAssembly. See README.md.
 
 import { CONFIG, SETTING, checkOptions, useOptions } from "./config.js";
 import { SmrError, bytesOf, kindOf, named, otherSetting, whole } from "./errors.js";
@@ -12,14 +11,13 @@ export { SmrError } from "./errors.js";
 /** The names of the states in an answer. */
 export const State = Object.freeze({ TRACKING: "tracking", LEAVING: "leaving", UNCERTAIN: "uncertain", LOST: "lost" });
 
-/** A target with a lower quality can hardly be told from its surroundings. */
+/** Least `quality` of a good target; one below can hardly be distinguished from its surroundings. */
 export const POOR_QUALITY = 1023;
 
-// The states by their numbers in `smr_state`.
+// The states by their values in the C enum `smr_state`.
 const STATES = Object.values(State);
 const CONFIGS = { paper: { camera: "smr_config_camera", paper: "smr_config_paper" }, robust: { refined: "smr_config_refined", robust: "smr_config_robust" } };
 
-// The structs of smr.h.
 const RECT = struct({ x: i32, y: i32, width: u16, height: u16 });
 const FINE_RECT = struct({ x: i32, y: i32, width: u32, height: u32 });
 const PART = struct({ pixels: u32, size: u32, stride: u32, width: u16, height: u16, x: u16, y: u16 });
@@ -38,7 +36,7 @@ const ANSWER = struct({
 });
 const RESPONSE_SPAN = 17;
 const SAVED_HEAD = 14;
-// The memory of a call: what it takes and what it gives.
+// Scratch memory for the arguments and results of a call.
 const CALL = struct({
   frame: struct({ width: u16, height: u16, parts: array(PART, 2) }),
   answer: ANSWER,
@@ -55,42 +53,39 @@ const CALL = struct({
   head: array(u8, SAVED_HEAD),
   responses: array(array(i32, RESPONSE_SPAN), RESPONSE_SPAN),
 });
-// The memory for a flight record; the first five are the library's.
+// Memory for a flight record; the first five fields belong to the library.
 const SINK = struct({ write: u32, context: u32, entries: u32, flags: u32, tracker: u32, bytes: u32, size: u32, used: u32 });
-// More than a record's first entry, and more than the entries of an update without their pixels.
+// Upper bound in bytes of a record's first entry, and of an update's entries without pixels.
 const MOST_AROUND = 1024;
-// Memory for windows is taken in steps, so that windows of changing size do not scatter the memory.
+// Granularity in bytes of memory for windows, so that windows of changing size do not fragment the memory.
 const PIXELS_STEP = 65536;
 const MOST_I32 = 2 ** 31 - 1;
-// The most bytes of a saved target of any build: SMR_PAPER_SAVED_SIZE with the largest SMR_PIXELS.
+// Largest saved target of any build, in bytes: SMR_PAPER_SAVED_SIZE with the largest SMR_PIXELS.
 const MOST_SAVED = 65537 + 94;
 const NODE_FILES = ["node:fs", "promises"];
-// The address of the script that this is a part of, if a bundler makes one that is no module.
+// Address of the enclosing script, if a bundler has turned this module into a classic script.
 const SCRIPT = globalThis.document?.currentScript?.src;
 
-// A module with one instruction of SIMD128. An engine that cannot run it says that it is not valid.
+// A module with one instruction of SIMD128, which is invalid for an engine without SIMD128.
 const SIMD_PROBE = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11];
 
-/** True if the engine has SIMD128. */
+/** True if the JavaScript engine supports WebAssembly's SIMD128. */
 export function hasSimd() {
   return WebAssembly.validate(new Uint8Array(SIMD_PROBE));
 }
 
-/**
- * The library, from a WebAssembly.Module, its bytes, a Response, or an address. By default: the file beside this one
- * that is faster here.
- */
+/** Loads the library from a WebAssembly.Module, bytes, a Response or a URL; by default from a file beside this one. */
 export async function load(source) {
   return new Smr(await WebAssembly.instantiate(await moduleOf(source ?? ownModule()), {}));
 }
 
-// Mouse coordinates have fractions.
+// Rounds the sides of a box, because mouse coordinates have fractions.
 const rounded = (box) => Object.fromEntries(Object.keys(RECT.fields).map((side) => [side, typeof box?.[side] === "number" ? Math.round(box[side]) : box?.[side]]));
 const pixelsOf = (windows) => windows.reduce((sum, { width, height }) => sum + width * height, 0);
 
 function ownModule() {
   if (import.meta.url !== undefined) {
-    // Each address in one piece: bundlers look for it, and cannot follow a condition inside.
+    // Each URL is a literal, because bundlers search for it and cannot evaluate a condition inside.
     return hasSimd() ? new URL("./smr-simd.wasm", import.meta.url) : new URL("./smr.wasm", import.meta.url);
   }
   if (SCRIPT === undefined) {
@@ -117,10 +112,10 @@ async function moduleBytes(source) {
   return fetched(String(source));
 }
 
-// Node fetches no files.
+// Loads the bytes at an address; files are read by `node:fs`, because Node's `fetch` does not load them.
 async function fetched(address) {
   if (typeof process !== "undefined" && process.versions?.node !== undefined && !/^(https?|data|blob):/.test(address)) {
-    // Bundlers look for names that they can read, and have no such module.
+    // The name is joined at run time, because bundlers resolve literal names and lack this module.
     const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ NODE_FILES.join("/"));
     return readFile(address.startsWith("file:") ? new URL(address) : address);
   }
@@ -131,7 +126,7 @@ async function responded(response) {
   if (!response.ok) {
     throw new Error(`cannot load ${response.url}: ${response.status} ${response.statusText}`);
   }
-  // A server of development answers with its page for each file that it has not.
+  // A development server replies with its HTML page for a file that does not exist.
   const kind = response.headers.get("content-type") ?? "";
   if (kind.startsWith("text/html")) {
     throw new Error(`cannot load ${response.url}: expected WebAssembly, found ${kind}: see "Loading" in the README of smr-tracker`);
@@ -139,7 +134,7 @@ async function responded(response) {
   return response.arrayBuffer();
 }
 
-/** One instance of the library, with a memory of its own. */
+/** One instance of the library, with its own memory. */
 export class Smr {
   /** True if the library uses SIMD128. */
   simd;
@@ -150,35 +145,34 @@ export class Smr {
     this.simd = instance.exports.smr_simd() !== 0;
   }
 
-  /** The version of the library. */
   get version() {
     return this.#library.memory.text(this.#library.exports.smr_version());
   }
 
-  /** Bytes of the library's memory. It grows only with the number of trackers and the largest window or saved target. */
+  /** Bytes of the library's memory. It grows only with more trackers, larger windows or larger saved targets. */
   get memory() {
     return this.#library.memory.bytes.length;
   }
 
-  /** Makes a tracker of the paper. */
+  /** Creates a tracker of the paper. */
   paper(options) {
     const { preset = "camera", ...numbers } = checkOptions(options);
     return new Tracker(this.#library, "paper", preset, numbers);
   }
 
-  /** Makes a robust tracker. */
+  /** Creates a robust tracker. */
   robust(options) {
     const { preset = "refined", ...numbers } = checkOptions(options);
     return new Tracker(this.#library, "robust", preset, numbers);
   }
 }
 
-// The calls and the memory of the module, for all trackers of an instance.
+// Calls and memory of the WebAssembly module, shared by all trackers of an instance.
 class Library {
   exports;
   memory;
   #scratch;
-  /** Gives back the memory of a tracker that was not freed, some time after nobody has it any more. */
+  /** Frees the memory of a tracker that was garbage-collected without a call of `free`. */
   left = new FinalizationRegistry((own) => this.give(own));
   #workspaces = {}; // by method
   #pixels = { at: 0, size: 0 };
@@ -192,7 +186,7 @@ class Library {
     this.#scratch = this.memory.take(CALL.size);
   }
 
-  /** Calls smr_`name` and throws unless it returns SMR_OK. */
+  /** Calls the C function `name` and throws unless it returns SMR_OK. */
   call(name, ...values) {
     const status = this.exports[name](...values);
     if (status !== 0) {
@@ -200,19 +194,18 @@ class Library {
     }
   }
 
-  /** Gives back all blocks that a tracker owns. */
   give(own) {
     [own.storage, own.sink, own.bytes].forEach((at) => this.memory.give(at));
     Object.assign(own, { storage: 0, sink: 0, bytes: 0, size: 0 });
   }
 
-  /** The workspace that all trackers of a method share. */
+  /** Returns the workspace that all trackers of a method share. */
   workspace(method, size) {
     this.#workspaces[method] ??= { at: this.memory.take(size), size };
     return this.#workspaces[method];
   }
 
-  /** The address of memory for `size` pixels, valid until the next call. */
+  /** Returns the address of memory for `size` pixels, valid until the next call. */
   pixels(size) {
     if (this.#pixels.size < size) {
       this.memory.give(this.#pixels.at);
@@ -223,31 +216,30 @@ class Library {
     return this.#pixels.at;
   }
 
-  /** The address of a part of CALL. */
   at(name) {
     return this.#scratch + CALL.places[name];
   }
 
-  /** What a call has put there. */
+  /** Reads a field of CALL after a call. */
   read(name) {
     return CALL.fields[name].read(this.memory.view, this.at(name));
   }
 
-  /** Puts `value` there for a call. `called` is its name in an error. */
+  /** Writes a field of CALL before a call. `called` is its name in an error message. */
   write(name, value, called = `the ${name}`) {
     CALL.fields[name].write(this.memory.view, this.at(name), value, called);
   }
 }
 
-/** Follows one target. The methods `paper` and `robust` of the library make it. */
+/** A tracker of one target, created by `paper()` or `robust()` of `Smr`. */
 export class Tracker {
   /** "paper" or "robust". */
   method;
-  /** "camera" or "paper"; "refined" or "robust" for a robust tracker. */
+  /** "camera" or "paper" for a tracker of the paper; "refined" or "robust" for a robust one. */
   preset;
-  /** All options, with the numbers of the preset where none was given. */
+  /** All options, with the values of the preset for those not given. */
   options;
-  /** The answer of the last update; null before it. */
+  /** Answer of the last update; null before the first update and after a lock. */
   answer = null;
   #library;
   #at = 0;
@@ -282,7 +274,7 @@ export class Tracker {
     this.#at = library.read("number");
   }
 
-  /** Locks on the target in `box`, whose numbers are rounded to whole pixels. Returns the quality, which is poor below POOR_QUALITY. */
+  /** Locks on the target in `box`, rounded to whole pixels. Returns the quality, which is poor below POOR_QUALITY. */
   lock(frame, box) {
     this.#live();
     const given = frameOf(frame);
@@ -292,7 +284,7 @@ export class Tracker {
     const lock = () => library.call("smr_lock", this.#at, library.at("frame"), library.at("box"));
     const [window] = this.#get("smr_lock_window", "windows", width, height, library.at("box"));
     try {
-      // With one pixel of the frame: what is refused for its numbers takes no memory for its pixels.
+      // First tries with one pixel of the frame, so that invalid arguments are refused before memory is allocated.
       library.write("frame", { width, height, parts: [{ ...NO_PART, pixels: library.at("head"), size: 1, stride: 1, width: 1, height: 1 }, NO_PART] });
       if (window.width * window.height > 1) {
         lock();
@@ -308,7 +300,7 @@ export class Tracker {
     return this.quality;
   }
 
-  /** The answer for the next frame. */
+  /** Tracks the target in the next frame and returns the answer. */
   update(frame) {
     this.#live();
     const given = frameOf(frame);
@@ -318,7 +310,7 @@ export class Tracker {
     return this.answer;
   }
 
-  /** Tells the tracker that the camera turned: the picture has moved by this many 1/256 pixels. */
+  /** Informs the tracker of a camera motion that moved the picture by this many 1/256 pixels. */
   moved(right, down) {
     this.#live();
     whole(right, -MOST_I32, MOST_I32, "right");
@@ -339,7 +331,7 @@ export class Tracker {
     this.#live();
     bytesOf(saved, "a saved target", ["Uint8Array"]);
     try {
-      // Bytes that are no saved target are refused by their head, before they take memory.
+      // Bytes that are not a saved target are refused by their header, before memory is allocated.
       this.#restore(saved.subarray(0, SAVED_HEAD), this.#library.at("head"));
     } catch (error) {
       if (error.status !== "SMR_ERROR_TRUNCATED") {
@@ -361,7 +353,7 @@ export class Tracker {
     }
   }
 
-  /** The box and the state of the target: of the last answer, the lock or the saved target. null without a target. */
+  /** Box and state of the target from the last answer, the lock or the saved target; null without a target. */
   get last() {
     const state = this.#ask("smr_last", "state", this.#library.at("fine"));
     return state === null ? null : { fineBox: this.#library.read("fine"), state: STATES[state] };
@@ -372,29 +364,29 @@ export class Tracker {
     return this.#ask("smr_quality", "short");
   }
 
-  /** The pixels that the next update reads; null without a target. */
+  /** The rectangle of pixels that the next update reads; null without a target. */
   get window() {
     return this.#ask("smr_windows", "windows")?.[0] ?? null;
   }
 
-  /** A second window, in which the robust tracker looks for a lost target; null if there is none. */
+  /** A second window, in which the robust tracker searches for a lost target; null if there is none. */
   get sweepWindow() {
     const window = this.#ask("smr_windows", "windows")?.[1];
     return window?.width > 0 ? window : null;
   }
 
-  /** The template, of the robust tracker the early one: { width, height, pixels }; null without a target. */
+  /** The template { width, height, pixels }, for the robust tracker that of the first frames; null without a target. */
   get template() {
     this.#live();
-    // A saved target has the template in it.
+    // The template is read from a saved target, which contains it.
     const size = this.#get("smr_saved_size", "number");
     const image = this.#ask("smr_template", "image", this.#library.pixels(size), size);
     return image === null ? null : { ...image, pixels: this.#library.memory.copy(image.pixels, image.width * image.height) };
   }
 
   /**
-   * The robust tracker's responses as the next update would see them in `frame`, in units of 1/16384: { span, responses
-   * }, row by row, one for each cell.
+   * Returns the robust tracker's responses in `frame` as the next update would compute them, in units of 1/16384:
+   * { span, responses }, `span` by `span` values row by row, one for each cell of the search.
    */
   responseMap(frame) {
     this.#live();
@@ -404,7 +396,7 @@ export class Tracker {
     return { span, responses: Int32Array.from(rows.flatMap((row) => row.slice(0, span))) };
   }
 
-  /** Calls `take` with each piece of a flight record from now on, and with true if the record begins there: see record.js. */
+  /** Calls `take(bytes, begins)` with each piece of a flight record from now on; `begins` is true at its start. */
   record(take) {
     this.#live();
     if (typeof take !== "function") {
@@ -418,7 +410,7 @@ export class Tracker {
     }
   }
 
-  /** Calls `take` no longer. */
+  /** Stops calling `take` with pieces of the flight record. */
   unrecord(take) {
     this.#takers.delete(take);
     if (this.#takers.size === 0 && this.#at !== 0) {
@@ -427,7 +419,7 @@ export class Tracker {
     }
   }
 
-  /** Begins the record anew, with the target as it is: what comes does not depend on what was. */
+  /** Restarts the flight record with the current target, so that later pieces do not depend on earlier ones. */
   beginRecord() {
     this.#live();
     const saved = this.last === null ? null : this.save();
@@ -440,7 +432,7 @@ export class Tracker {
     [...this.#takers].forEach((take) => take(this.#head, true));
   }
 
-  // Does a call that adds so many bytes and those of its entries to the record, and gives them out.
+  // Performs a call that adds up to `size` bytes and its entries' headers to the flight record, and passes them on.
   #recorded(size, call) {
     if (this.#takers.size === 0) {
       return call();
@@ -462,7 +454,7 @@ export class Tracker {
     return memory.copy(this.#own.bytes, SINK.fields.used.read(memory.view, this.#own.sink + SINK.places.used));
   }
 
-  // Empties the memory for the record, which then has room for so many bytes and those of two entries.
+  // Clears the memory of the flight record, and enlarges it if needed for `size` bytes and two entries' headers.
   #room(size) {
     const { memory } = this.#library;
     const own = this.#own;
@@ -480,7 +472,7 @@ export class Tracker {
     }
   }
 
-  /** Gives the tracker's memory back. Later calls throw. */
+  /** Frees the tracker's memory. Later calls throw. */
   free() {
     this.#library.left.unregister(this);
     this.#library.give(this.#own);
@@ -488,7 +480,7 @@ export class Tracker {
     this.#takers.clear();
   }
 
-  /** For `using tracker = smr.robust()`. */
+  /** Supports `using tracker = smr.robust()`, which frees the tracker at the end of the block. */
   [Symbol.dispose ?? Symbol.for("dispose")]() {
     this.free();
   }
@@ -499,13 +491,14 @@ export class Tracker {
     }
   }
 
-  // Returns the value that the call smr_`name` puts into `part` of CALL, the place of which is its last argument.
+  // Calls the C function `name` with the address of the field `part` of CALL as its last argument, and reads that
+  // field.
   #get(name, part, ...values) {
     this.#library.call(name, this.#at, ...values, this.#library.at(part));
     return this.#library.read(part);
   }
 
-  // As `#get`; null without a target.
+  // Returns the same as `#get`, but null if no target is locked.
   #ask(...of) {
     this.#live();
     try {
@@ -522,11 +515,11 @@ export class Tracker {
     return this.#show(given, this.#get("smr_windows", "windows"));
   }
 
-  // Copies the gray pixels of the windows into the library's memory, and writes the frame that has them as its parts.
-  // Returns the windows with their pixels, which are valid until the next call.
+  // Copies the gray pixels of the windows into the library's memory, and writes a frame that consists of them. Returns
+  // the windows with their pixels, which are valid until the next call.
   #show(given, windows) {
     const shown = windows.filter(({ width, height }) => width * height > 0);
-    // A frame that lacks these pixels is smaller than the one of the lock.
+    // A frame that does not contain a window is smaller than the frame of the lock.
     if (shown.some(({ x, y, width, height }) => x + width > given.width || y + height > given.height)) {
       throw new SmrError("SMR_ERROR_FRAME_SIZE_CHANGED");
     }

@@ -1,4 +1,4 @@
-// The texts of Rust's errors, by the name of the status. core/c/tests/interface/errors.rs writes them.
+// Messages of the Rust library's errors, by the name of the C status. core/c/tests/interface/errors.rs generates them.
 
 export const WORDS = {
   SMR_ERROR_OTHER_METHOD: "the target was saved by the other tracker",

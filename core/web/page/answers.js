@@ -1,7 +1,7 @@
-// The answers for each target by the number of the frame, for as many frames as there are.
+// Storage of the trackers' answers by target and frame number, compact enough for long videos.
 
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
-// Whole numbers stand for 1.0 in the trackers; figures.js and curves.js take those.
+// The integer that represents 1.0 in the trackers, for each value of an answer; figures.js expects these units.
 const UNITS = { x: 1, y: 1, width: 1, height: 1, confidence: 65535, alpha: 1, ratio: 65535, scale: 65536, work: 1, runnerUpRatio: 65535 };
 const COLUMNS = Object.keys(UNITS);
 const LEAST = 1024;
@@ -9,7 +9,7 @@ const LEAST = 1024;
 export class Answers {
   #targets = new Map(); // the rows by id
 
-  /** Takes rows [id, frame, state, x, y, ...] as host-sim sends them. A later one for the same frame replaces it. */
+  /** Stores rows [id, frame, state, x, y, ...] as host-sim sends them. A later row of the same frame replaces it. */
   take(rows) {
     for (const [id, number, state, ...values] of rows) {
       if (!this.#targets.has(id)) {
@@ -19,26 +19,25 @@ export class Answers {
     }
   }
 
-  /** Forgets rows: [id, first frame, last frame] each. */
+  /** Removes ranges of answers, each [id, first frame, last frame]. */
   clear(parts) {
     for (const [id, first, last] of parts) {
       this.#targets.get(id)?.clear(first, last);
     }
   }
 
-  /** Forgets all targets but these. */
   keep(ids) {
     for (const id of [...this.#targets.keys()].filter((id) => !ids.includes(id))) {
       this.#targets.delete(id);
     }
   }
 
-  /** Forgets the frames before this one, now or later. */
+  /** Allows the frames before frame `before` to be removed, now or later. */
   forget(before) {
     this.#targets.forEach((rows) => rows.forget(before));
   }
 
-  /** A number that changes with the answers of a target. */
+  /** Returns a value that changes with a target's answers. */
   version(id) {
     return this.#targets.get(id)?.version ?? 0;
   }
@@ -47,12 +46,12 @@ export class Answers {
     return STATES[this.#targets.get(id)?.state(number)];
   }
 
-  /** { number, state, box, confidence, ... } without what is missing; undefined if there is no answer. */
+  /** Returns an answer { number, state, box, confidence, ... } without missing values; undefined if there is none. */
   at(id, number) {
     return this.#targets.get(id)?.row(number);
   }
 
-  /** The last answer in the frames from `first` to before `end`; undefined if there is none. */
+  /** Returns the last answer in the frames from `first` to `end - 1`; undefined if there is none. */
   last(id, first, end) {
     for (let number = end - 1; number >= first; number--) {
       if (this.state(id, number) !== undefined) {
@@ -62,7 +61,7 @@ export class Answers {
     return undefined;
   }
 
-  /** { number, state } of all answers in the order of frames. */
+  /** Yields { number, state } of all answers by ascending frame number. */
   *states(id) {
     const rows = this.#targets.get(id);
     for (let number = rows?.first ?? 1; number <= (rows?.last ?? 0); number++) {
@@ -73,7 +72,7 @@ export class Answers {
     }
   }
 
-  /** The answers from one frame to another as curves.js takes them. */
+  /** Returns { last(column) }: the values of a column (such as "ratio") for the answers from `first` to `last`. */
   around(id, first, last) {
     const rows = this.#targets.get(id);
     const numbers = Array.from({ length: Math.max(last - first + 1, 0) }, (_, at) => first + at).filter((number) => rows?.state(number) !== undefined);
@@ -82,7 +81,7 @@ export class Answers {
   }
 }
 
-// The rows of one target from the frame `first` on, in columns that grow.
+// The answers of one target from the frame `first` on, in typed arrays that grow.
 class Rows {
   version = 0;
   first;
@@ -120,7 +119,7 @@ class Rows {
     COLUMNS.forEach((name, column) => {
       this.#columns[name][at] = (values[column] ?? NaN) * UNITS[name];
     });
-    // A lock took no work of an update.
+    // An answer without confidence is a lock, for which no update has done any work.
     if (Number.isNaN(this.#columns.confidence[at])) {
       this.#columns.work[at] = NaN;
     }
@@ -133,7 +132,7 @@ class Rows {
     this.version += 1;
   }
 
-  // Moves rows only when many are to be forgotten.
+  // Moves the arrays only when many answers can be removed.
   forget(before) {
     if (before - this.first > LEAST) {
       this.#move(before, this.#states.length);
@@ -148,7 +147,7 @@ class Rows {
     }
   }
 
-  // Makes all columns begin with the frame `first` and have this length.
+  // Reallocates all columns to begin with the frame `first` and have this length.
   #move(first, length) {
     const moved = (old) => {
       const made = new old.constructor(length);

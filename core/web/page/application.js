@@ -1,4 +1,5 @@
-// The application: shows the frames of a source (connection.js, local.js) with the boxes of the targets, and takes what the user draws on them.
+// The application: shows the frames of a source (connection.js or local.js) with the targets' boxes, and handles the
+// boxes that the user draws.
 
 import { Answers } from "./answers.js";
 import { drawCommands } from "./command-lines.js";
@@ -75,7 +76,7 @@ function visitNamed() {
 
 // ---- what the user draws
 
-// The box to begin with: the target's, or the middle of the picture.
+// Returns the box from which drawing by keys starts: the target's, or one in the middle of the view.
 function startBox() {
   const { x, y, width, height } = viewport.seen;
   return whole(boxOf(edits.chosen)?.box ?? { x: x + width * 0.375, y: y + height * 0.375, width: width / 4, height: height / 4 });
@@ -87,7 +88,7 @@ function whole({ x, y, width, height }) {
 
 const areaOf = ({ width, height }) => width * height;
 
-// Returns false if the box stays until the user has answered.
+// Locks a target on a box. Returns false if the user must confirm it first, because the box is unusually small.
 function lock(box, grip) {
   if (areaOf(box) === 0) {
     say("The box has no pixels: drag from one corner to the other.");
@@ -106,7 +107,7 @@ function lock(box, grip) {
   edits.lock(playback.shown, box, target);
   changed();
   if (held === null && kind === "recorded" && byId("plays").checked) {
-    // The box is not proposed any more when the frame goes on.
+    // Plays on after the proposed box is cleared, which holds the frame.
     queueMicrotask(() => playback.play(true));
   }
   return true;
@@ -120,7 +121,8 @@ function ask(what, words = "") {
 
 const targetOf = (id) => edits.targets.find((target) => target.id === id) ?? null;
 
-// The chosen target has handles. While a target is added, every drag draws.
+// Returns the box at a point and its part to drag; edges and corners only of the chosen target. While a target is being
+// added there is none, so that every drag draws.
 function gripAt(point, reach) {
   const chosen = edits.chosen;
   for (const target of chosen === null ? [] : [chosen, ...edits.targets]) {
@@ -145,7 +147,7 @@ function choose(target) {
   draw();
 }
 
-// Each change is sent as all that is wanted now. What the source refuses is taken back.
+// Sends the whole list of targets to the source after a change, and reverts the change if the source refuses it.
 async function changed() {
   const { targets } = edits;
   say("");
@@ -166,7 +168,7 @@ function rename(target, text) {
   refused === null ? changed() : say(refused);
 }
 
-// A click that comes before the frame that was asked for is about no frame.
+// True if the requested frame is shown: a click while it is still loading refers to no frame.
 const isThere = () => kind === "live" || playback.isPlaying || !playback.isLoading;
 
 function unlock() {
@@ -176,7 +178,7 @@ function unlock() {
   }
 }
 
-// Takes the chosen target out of the frames from here on, or brings it back where it was last.
+// Marks the chosen target as gone from the shown frame on or, if it is gone, locks it again on its last box.
 function goOrComeBack() {
   const { chosen } = edits;
   const here = playback.shown;
@@ -205,7 +207,7 @@ function undo(isRedo) {
 
 function heard(told) {
   if (told.opened !== undefined) {
-    // The frame in the address was one of other frames.
+    // The frame number in the address was for the former source.
     history.replaceState(null, "", "#");
     opened(told.opened);
     return;
@@ -230,13 +232,13 @@ function heard(told) {
   draw();
 }
 
-// From where to where frames can be reached.
+// Updates the range of frames that can be shown.
 function measure() {
   if (kind !== "live") {
     const known = recording.frames === null ? Math.max(followed ?? 0, playback.frame ?? 0, recording.first) : recording.first + recording.frames - 1;
     playback.reach(recording.first, known);
     if (playback.frame > known) {
-      // There are fewer frames than it was said at first.
+      // The first count of frames was too large.
       playback.goTo(known);
     }
   } else if (news.live) {
@@ -244,7 +246,7 @@ function measure() {
     playback.reach(oldest, newest);
     answers.forget(oldest);
     if (playback.followsNewest) {
-      // So that there is a picture with its boxes, unless these come late.
+      // Shows the newest frame whose boxes are known, unless they are very late.
       playback.goTo(edits.targets.length === 0 || followed === null ? newest : clamp(followed, newest - MOST_LATE, newest));
     }
   }
@@ -260,7 +262,7 @@ function gone() {
 
 // ---- what is drawn
 
-// The box of a target in the frame that is shown: its lock, else its answer.
+// Returns the box of a target in the shown frame: the user's, else the tracker's.
 const boxOf = (target) => boxIn(target, playback.shown);
 
 function boxIn(target, number) {
@@ -272,7 +274,7 @@ function boxIn(target, number) {
 function drawn(target) {
   const found = boxOf(target);
   const isChosen = target === edits.chosen;
-  // The box that is pulled is drawn where it is pulled to.
+  // A box that the user drags is drawn at its new position instead.
   if (found === null || (proposed !== null && pulled?.id === target.id)) {
     return [];
   }
@@ -281,13 +283,12 @@ function drawn(target) {
   return [{ box, color: target.color, words, isChosen, isLast: state === "lost", hasHandles: isChosen }];
 }
 
-// The box of a target that is not lost, for its trail.
 function trailOf(target) {
   const isThere = (found) => found !== null && found.state !== "lost";
   return (number) => (isThere(boxIn(target, number)) ? boxIn(target, number).box : null);
 }
 
-// Keeps the target that is followed or moved by keys in view.
+// Moves an enlarged view so that the chosen target, or the box that is drawn by keys, stays visible.
 function follow() {
   const box = proposed ?? boxOf(edits.chosen)?.box;
   if (viewport.zoom > 1 && box && !drag.isPointing && (playback.isPlaying || proposed !== null)) {
@@ -295,7 +296,7 @@ function follow() {
   }
 }
 
-// Draws once for each picture of the screen, however much has changed. What is read is drawn less often.
+// Schedules a redraw: the frame at most once per animation frame, text and charts less often.
 function draw() {
   drawing ??= requestAnimationFrame(() => {
     drawing = null;
@@ -310,7 +311,7 @@ function draw() {
   }, READINGS_MS);
 }
 
-/** Draws the path of the box's centre until a frame. `boxAt(number)` is a box or null; `placed(box)` its place on the canvas. */
+/** Draws the path of a box's centre up to frame `number`. `placed(box)` converts a box to canvas pixels. */
 function drawTrail(context, number, { boxAt, placed, color }) {
   const points = Array.from({ length: TRAIL }, (_, back) => boxAt(number - TRAIL + 1 + back)).map((box) => (box ? centre(placed(box)) : null));
   context.setLineDash([]);
@@ -349,7 +350,7 @@ function drawFrame() {
   drawStage(byId("stage"), { picture, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed, color });
 }
 
-// The events of a target. Of an hour they take a while, so they are not found anew for each answer.
+// Returns the events of a target. They are cached for a while, because computing those of an hour of frames is slow.
 function events(target) {
   const { id, locks } = target;
   const version = answers.version(id);
@@ -486,7 +487,7 @@ function droppedOf({ dropped }) {
 function pressed(event) {
   const { key, target, ctrlKey, metaKey, altKey, shiftKey } = event;
   const isTyping = target.matches("input[type=text], select, textarea");
-  // Radio buttons have arrows of their own, buttons and links the space.
+  // Radio buttons handle the arrow keys themselves, buttons and links the space bar.
   const isOwn = key === " " ? target.matches("button, a, summary, input:not([type=range])") : target.matches("input[type=radio]");
   if (event.defaultPrevented || isTyping || altKey) {
     return;
@@ -510,7 +511,7 @@ function acted(event) {
   return unlocks || (event.key === "Escape" && escaped()) || playback.key(event) || viewport.key(event);
 }
 
-// Closes the menu, or gives up the target that is being added.
+// Closes the menu or, if it is closed, stops adding a target.
 function escaped() {
   const isOpen = byId("export").open;
   byId("export").open = false;
@@ -570,7 +571,7 @@ function listen() {
 function useMethod() {
   Object.assign(recording, chosenTracker(recording));
   trying(source.method(recording.method, recording.options));
-  // It tells of the settings before.
+  // The element shows the former settings.
   byId("firmware").open = false;
   showMethod();
   draw();
@@ -593,12 +594,12 @@ async function trying(promise) {
 }
 
 const TYPES = { csv: "text/csv", jsonl: "application/x-ndjson", smr: "application/octet-stream" };
-/** Saves `content`, text, bytes or a blob, under `name`. */
+/** Lets the browser save `content` (text, bytes or a blob) as the file `name`. */
 function save(name, content) {
   const type = TYPES[name.split(".").at(-1)];
   const address = URL.createObjectURL(new Blob([content], { type }));
   htmlNode("a", { href: address, download: name }).click();
-  // Later, because the browser reads the file after this call.
+  // Revoked later, because the browser reads the file after this call.
   setTimeout(() => URL.revokeObjectURL(address), 60_000);
 }
 
@@ -619,7 +620,7 @@ async function make(what, options) {
 
 const cancel = (id) => trying(source.cancel(id));
 
-// Takes a file of the user: boxes, or a video where the source reads those.
+// Reads a file that the user chose or dropped: boxes, or a video if the source accepts one.
 async function read(file) {
   if (file === undefined) {
     return;
@@ -655,7 +656,7 @@ function prepare() {
   seesCurves = inView(byId("curves"), draw);
 }
 
-// Shows a recording or camera that the source has opened.
+// Resets the page for a recording or camera that the source has opened.
 function opened(facts) {
   recording = { first: 1, ...facts };
   kind = recording.live ? "live" : "recorded";
@@ -691,7 +692,7 @@ function hover(number, x) {
   draw();
 }
 
-/** Shows a source, as long as it is there. `openers`: what opens other frames, by the id of its button or field. */
+/** Runs the application on a source. `openers` maps ids of buttons or fields to actions that open other frames. */
 export async function run(of, openers = {}) {
   try {
     source = of;

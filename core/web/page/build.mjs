@@ -1,4 +1,4 @@
-// Makes the page: one HTML file without anything beside it. Needs Node, and what `.ci/web build` has built.
+// Builds the stand-alone page: one self-contained HTML file. Requires Node, and the output of `.ci/web build`.
 //
 //   node core/web/page/build.mjs [OUT]          default: target/web/smr.html
 
@@ -15,7 +15,7 @@ const BASE = new URL("../../../host-sim/pages/src/report/base.css", import.meta.
 const text = (name) => readFileSync(new URL(name, import.meta.url), "utf8");
 const hash = (content) => `'sha256-${createHash("sha256").update(content).digest("base64")}'`;
 
-// The page's policy: no script can load or send anything.
+// Returns the page's content security policy: no script can load or send anything.
 function policy(style, script) {
   return [
     "default-src 'none'", `script-src ${hash(script)} 'wasm-unsafe-eval'`, "worker-src blob:", `style-src ${hash(style)}`, "img-src data:",
@@ -29,7 +29,7 @@ function carried(worker) {
   return [["worker.js", worker], ...modules].map(packed).join("\n");
 }
 
-// Text that would end the element.
+// Returns the script, or throws if it contains text that would end its HTML element.
 function inScript(script) {
   if (/<\/script|<!--/i.test(script)) {
     throw new Error("a script has what ends its element: </script or <!--");
@@ -37,7 +37,7 @@ function inScript(script) {
   return script;
 }
 
-// The window of host-sim, in which the page has its own head and its own words.
+// Returns the body of host-sim's window.html, with the stand-alone page's own heading and text.
 function application() {
   const [, body] = /<body>\n([^]*)\{\{scripts\}\}/.exec(text("window.html"));
   const own = { '<h1 id="name"></h1>': text("lead.html"), "</main>": `${text("end.html").replace("{{words}}", () => text("words.html"))}</main>` };

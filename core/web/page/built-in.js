@@ -1,4 +1,4 @@
-// The built-in recording `street` as a source of frames. The worker draws them.
+// The built-in recording `street` as a source of frames, which the worker renders.
 
 export class BuiltIn {
   name = "street";
@@ -7,7 +7,6 @@ export class BuiltIn {
   width = 320;
   height = 240;
   last = 300;
-  /** The targets at the start: the car. */
   targets = [{ id: 1, name: "", locks: [{ number: 1, box: { x: 268, y: 101, width: 39, height: 14 } }] }];
   #follower;
 

@@ -1,15 +1,16 @@
-// Makes one script of ES modules: each becomes a function that returns what it exports. Modules may import each other by name, and not in a circle.
+// Bundles ES modules into one script: each becomes a function that returns its exports. Modules may import each other
+// by name, but not in a cycle.
 
 import { readFileSync } from "node:fs";
 
 const IMPORT = /^import\s*\{([^}]*)\}\s*from\s*"(\.[^"]*)";\n/gm;
 const EXPORT_FROM = /^export\s*\{([^}]*)\}\s*from\s*"(\.[^"]*)";\n/gm;
 const EXPORT = /^export (?=(?:const|let|class|function\*?|async function) (\w+))/gm;
-// At the end of a line. Texts have quotes.
+// A comment at the end of a line. It contains no quotes, so that text in quotes is not taken for a comment.
 const REMARK = / \/\/ [^"'`\n]*$/gm;
 const COMMENT = /^\s*(?:\/\/.*|\/\*\*.*\*\/|\/\*\*(?:[^*]|\*(?!\/))*\*\/)\n/gm;
 
-/** The script of the module at the address `entry`, with all that it imports before it. */
+/** Returns the script of the module at the URL `entry`, preceded by all modules that it imports. */
 export function bundle(entry) {
   const places = new Map(); // the name of each module, by address
   const parts = [];
@@ -39,9 +40,9 @@ function add(address, places, parts, above) {
     })
     .replace(COMMENT, "")
     .replace(REMARK, "")
-    // No text of the page goes over lines.
+    // Removes indentation, which is safe because no string spans lines.
     .replace(/^ +/gm, "")
-    // A worker of a page from disk cannot be a module, and only modules have this.
+    // A page opened from disk cannot start a module as its worker, and only modules have `import.meta`.
     .replaceAll("import.meta.url", "self.location.href");
   const left = body.match(/^(?:import\s*[{"*\w]|export ).*/m);
   if (left !== null && !left[0].startsWith("import(")) {

@@ -1,11 +1,11 @@
-// The webcam as a source of frames. A frame that comes while the trackers are behind is dropped, and counted.
+// The webcam as a source of frames. A frame that arrives while the trackers are busy is dropped and counted.
 
 import { htmlNode } from "./dom.js";
 import { eachPicture } from "./pictures.js";
 
 const WANTED = { audio: false, video: { width: { ideal: 640 }, height: { ideal: 480 }, frameRate: { ideal: 60 }, facingMode: "environment" } };
 const MOST_BYTES = 96 << 20; // of pictures that are kept
-// A frame waits while another is followed. A third one would only be late.
+// One frame is tracked and one waits. A third one would only be late.
 const MOST_UNDER_WAY = 2;
 
 const REFUSED = {
@@ -18,7 +18,7 @@ export class Camera {
   name = "camera";
   words = "/dev/video0";
   live = true;
-  /** The number of the newest frame. */
+  /** Number of the newest frame. */
   last = 0;
   #follower;
   #page;
@@ -30,12 +30,12 @@ export class Camera {
   #isStopped = false;
   #end = () => {};
 
-  /** `page`: { came() a frame is there, failed(text) }. */
+  /** `page` has callbacks: { came() when a frame has arrived, failed(text) }. */
   constructor(follower, page) {
     [this.#follower, this.#page] = [follower, page];
   }
 
-  /** Asks for the camera. If there is none, throws an error that says why in one line. */
+  /** Requests the camera. Throws an error with the reason in one line if it cannot be used. */
   async open() {
     if (navigator.mediaDevices === undefined) {
       throw new Error("This page may not use the camera: open it from https or from a file, or choose a video file.");
@@ -54,7 +54,7 @@ export class Camera {
     video.srcObject.getVideoTracks()[0].addEventListener("ended", () => this.#page.failed("The camera was disconnected."));
   }
 
-  /** Takes pictures from now on; returns when there is one. */
+  /** Starts to take pictures; resolves after the first one. */
   async start() {
     await this.#follower.ask("clear");
     await new Promise((resolve) => {
@@ -62,23 +62,21 @@ export class Camera {
     });
   }
 
-  /** The number of the oldest frame that is kept. */
   get oldest() {
     return this.#kept.keys().next().value;
   }
 
-  /** The oldest frame that is kept, the newest one, how many were dropped, and how old (ms) the frame `number` is. */
+  /** The oldest and the newest frame kept, the count of dropped frames, and the age in ms of frame `number`. */
   news(number) {
     const time = this.#kept.get(number)?.time ?? performance.now();
     return { live: { oldest: this.oldest, newest: this.last, dropped: this.#dropped, latency_ms: performance.now() - time } };
   }
 
-  /** The worker keeps the frames. */
+  /** Empty, because the worker has the frames already. */
   async frame() {
     return {};
   }
 
-  /** A picture, as long as it is kept. */
   async picture(number) {
     const kept = this.#kept.get(number);
     if (kept === undefined) {
@@ -87,7 +85,7 @@ export class Camera {
     return kept.picture;
   }
 
-  /** Takes no more pictures. Those that are kept stay. */
+  /** Stops taking pictures, but keeps the last ones. */
   stop() {
     this.#isStopped = true;
     this.#end();
@@ -129,7 +127,7 @@ export class Camera {
     const { picture } = await this.#follower.ask("keep", { number, picture: seen });
     this.#keep(number, { picture: await createImageBitmap(picture), time });
     picture.close();
-    // The copies of two pictures may end in any order.
+    // Two pictures may be copied at the same time, and the older one may finish last.
     this.last = Math.max(this.last, number);
     this.#page.came();
   }
@@ -142,8 +140,8 @@ export class Camera {
   }
 }
 
-// The picture that a video shows now. A VideoFrame shares the pixels of the video, in browsers that have it; an
-// ImageBitmap is a copy.
+// Returns the current picture of a video: a VideoFrame, which shares the video's pixels, or else an ImageBitmap, a
+// copy.
 async function pictureOf(video) {
   return typeof VideoFrame === "function" ? new VideoFrame(video) : createImageBitmap(video);
 }

@@ -1,6 +1,6 @@
-// The codec of a video file that the browser cannot play: the file says it in its first or last bytes.
+// Finds the codec of a video file that the browser cannot play, by the file's first or last bytes.
 
-// The start of a file, and where its list of codecs is at the latest: phones write it at the end.
+// Bytes to search for the list of codecs, at the start and at the end of a file; phones write it at the end.
 const HEAD = 1 << 20, TAIL = 8 << 20;
 
 const HEVC = ["HEVC (H.265)", 'video/mp4; codecs="hvc1.1.6.L93.B0"'];
@@ -14,10 +14,10 @@ const CODECS = {
   vp09: VP9, V_VP9: VP9, V_VP8: ["VP8", 'video/webm; codecs="vp8"'], mp4v: MPEG4, "V_MPEG4/ISO/ASP": MPEG4, "V_MS/VFW/FOURCC": ["AVI in Matroska", ""],
   apch: PRORES, apcn: PRORES, apcs: PRORES, apco: PRORES, ap4h: PRORES, V_PRORES: PRORES,
 };
-// Kinds of files, by how they begin.
+// File types that browsers do not play, by their first bytes.
 const KINDS = [[/^RIFF....AVI /s, "AVI"], [/^\x30\x26\xb2\x75/, "WMV"], [/^FLV/, "FLV"], [/^G.{187}G/s, "MPEG-TS"], [/^YUV4MPEG2/, "Y4M"]];
 
-/** The name of a codec, or of a kind of file, that keeps this browser from playing `file`; null if it is none. */
+/** Returns the name of the codec or file type that this browser cannot play; null if none is found. */
 export async function lacking(file, video) {
   const read = async (part) => new TextDecoder("latin1").decode(await part.arrayBuffer());
   const head = await read(file.slice(0, HEAD));
@@ -30,7 +30,7 @@ export async function lacking(file, video) {
   return name !== undefined && video.canPlayType(type) === "" ? name : null;
 }
 
-// In MP4 the codec's name is 16 bytes after the start of `stsd`. A sound track has one, too; `CODECS` lacks it.
+// In MP4 the codec's name is 16 bytes after the start of `stsd`. Names of audio codecs are not in `CODECS`.
 function codecOf(bytes) {
   const all = [...bytes.matchAll(/stsd.{12}(.{4})/gs), ...bytes.matchAll(/(V_[A-Z0-9/_]+)/g)];
   return all.map(([, name]) => name).find((name) => CODECS[name] !== undefined);

@@ -1,4 +1,4 @@
-// The command lines that repeat what was done.
+// Shows the command lines of host-sim that repeat the user's work.
 
 import { initsOf, typed } from "./command.js";
 import { byId, htmlNode } from "./dom.js";
@@ -6,7 +6,7 @@ import { nameOf } from "./edits.js";
 
 const TITLES = { view: "The command that opens it again", track: "The command that follows it", report: "The command that makes a page of it" };
 
-/** `verbs`: { report: "-o report.html", ... }, what follows after the boxes. */
+/** `verbs` maps subcommands to their last arguments, such as { report: "-o report.html" }. */
 export function drawCommands(place, verbs, { words, method, options }, targets) {
   const shown = Object.keys(TITLES).filter((verb) => verb in verbs);
   if (place.dataset.shown !== shown.join()) {
@@ -23,7 +23,7 @@ export function drawCommands(place, verbs, { words, method, options }, targets) 
   }
 }
 
-// A line is broken between words only, not behind the hyphens of an option.
+// Writes a command line that breaks only between words, not after the hyphens of an option.
 function write(id, text) {
   if (byId(id).textContent !== text) {
     const words = text.split(" ").flatMap((word) => [" ", htmlNode("span", { class: "word" }, word)]);
@@ -43,7 +43,7 @@ async function copy(button, text) {
     await navigator.clipboard.writeText(text.textContent);
     button.textContent = "Copied";
   } catch {
-    // Without the right to the clipboard, the text is there to be copied by hand.
+    // Without permission for the clipboard, selects the text, so that the user can copy it.
     getSelection().selectAllChildren(text);
     button.textContent = document.execCommand("copy") ? "Copied" : "Selected";
   }

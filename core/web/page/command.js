@@ -1,8 +1,8 @@
-// The words of host-sim's command line that repeat what the page does.
+// Builds arguments of host-sim's command line from the state of the page.
 
 import { SETTINGS } from "./methods.js";
 
-/** The options of `host-sim track` that differ from its defaults, by name. */
+/** Returns the options of `host-sim track` that differ from its defaults, by name. */
 export function optionsOf(method, settings) {
   if (method === "smr") {
     const { config } = settings.smr;
@@ -12,12 +12,12 @@ export function optionsOf(method, settings) {
   return changed.length === 0 ? {} : { set: changed.map(([name, is]) => `${name}=${is === false ? "off" : is}`) };
 }
 
-/** Options as they are typed. */
+/** Formats options as arguments: `--name value`. */
 export function typed(options) {
   return Object.entries(options).flatMap(([name, value]) => [value].flat().map((one) => `--${name} ${one}`));
 }
 
-/** Where targets, { name, locks } each, are locked, as options. */
+/** Formats the locks of targets { name, locks } as options `--init`. */
 export function initsOf(targets, isNamed = targets.length > 1) {
   return targets.flatMap(({ name, locks }) => locks.map((lock) => `--init ${isNamed ? `${name}=` : ""}${placed(lock)}`));
 }
@@ -27,5 +27,4 @@ function placed({ number, box }) {
   return number === 1 ? place : `${place}@${number}`;
 }
 
-/** A name as a shell takes it. */
 export const quoted = (name) => (/^[\w./-]+$/.test(name) && !name.startsWith("-") ? name : `'${name.replaceAll("'", "'\\''")}'`);

@@ -1,4 +1,4 @@
-// The window's side of `host-sim view`: what it asks host-sim for, and what it hears.
+// Client of `host-sim view`: the source of the application whose frames and answers come from host-sim over HTTP.
 
 import { targetOf, toldOf } from "./edits.js";
 
@@ -10,8 +10,8 @@ export class Connection {
   #sending = Promise.resolve();
 
   /**
-   * The source: its name and size, `live`, the number of its first frame and of all `frames`, their `times` in
-   * seconds or their `rate` as far as they are known, the targets, the method that follows them, and what can be saved.
+   * Requests the facts about the source: name, size, `live`, the count of `frames`, their `times` in seconds or their
+   * `rate` if known, the targets, the method that tracks them, and the formats of files that can be saved.
    */
   async open() {
     const source = await (await asked("source")).json();
@@ -19,24 +19,23 @@ export class Connection {
     return { ...source, version: `host-sim ${source.version}`, targets: source.targets.map(targetOf) };
   }
 
-  /** The picture of a frame. */
   async picture(number) {
     return createImageBitmap(await (await asked(`frames/${number}.jpg`)).blob());
   }
 
-  /** The recording's own pixels of a part of a frame, { x, y, width, height }. */
+  /** Loads a part { x, y, width, height } of a frame at full resolution. */
   async part(number, { x, y, width, height }) {
     return createImageBitmap(await (await asked(`frames/${number}.png?part=${x},${y},${width},${height}`)).blob());
   }
 
-  /** Tells the frame that the user looks at, for the next time. */
+  /** Saves the shown frame in the session, for the next start. */
   async place(frame) {
     await told("place", { frame });
   }
 
   /**
-   * Calls `heard` with all news, as long as the page is open, and `gone` when host-sim does not answer any more. Of many answers, those from the
-   * frame `now()` on come first.
+   * Polls host-sim and calls `heard` with all changes, and `gone` when host-sim does not reply any more. If there are
+   * many new answers, those from the frame `now()` on are loaded first.
    */
   async listen(heard, gone, now) {
     let [position, failures] = [0, 0];
@@ -51,7 +50,7 @@ export class Connection {
         if (parts.length > 0) {
           news.rows.push(...(await answersOf(parts, now())));
         }
-        // Changes sent by this page are no news.
+        // Waits for the revision of this page's own change, which is not to be reported as another page's.
         await this.#sending;
         const isNew = news.revision > this.#revision;
         this.#revision = Math.max(this.#revision, news.revision ?? 0);
@@ -65,7 +64,7 @@ export class Connection {
     gone();
   }
 
-  /** Sends the wanted targets, after any list still being sent. Throws host-sim's reason if it refuses. */
+  /** Sends the list of targets, after any list still being sent. Throws host-sim's reason if it refuses. */
   targets(targets) {
     const sent = this.#sending.then(async () => {
       const answer = await told("targets", targets.map(toldOf), { "If-Match": `"${this.#revision}"` });
@@ -83,7 +82,7 @@ export class Connection {
     await told("stop", {});
   }
 
-  /** Begins to make a film or a report; returns its number and the name of its file. */
+  /** Orders a video or a report; returns its id and the name of its file. */
   async make(what, options = {}) {
     return (await told(what, options)).json();
   }
@@ -92,13 +91,12 @@ export class Connection {
     await told("cancel", { id });
   }
 
-  /** The targets of a file with boxes, { name, locks }. */
+  /** Lets host-sim parse a file with boxes. Returns its targets { name, locks }. */
   async read(file) {
     const answer = await asked(`boxes?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
     return (await answer.json()).targets.map(targetOf);
   }
 
-  /** The boxes as a file: its name and its bytes. */
   async boxes(format) {
     const answer = await asked(`boxes?format=${format}`);
     const [, name] = /filename="([^"]+)"/.exec(answer.headers.get("Content-Disposition")) ?? [null, `boxes.${format}`];
@@ -110,7 +108,7 @@ export class Connection {
   }
 }
 
-// Asks for a portion of `parts`, which keep the rest.
+// Loads answers of one of `parts`, if possible the part that contains the frame `now`, and removes them from `parts`.
 async function answersOf(parts, now) {
   const isHere = ([, first, last]) => first <= now && now <= last;
   const [part] = parts.splice(Math.max(parts.findIndex(isHere), 0), 1);

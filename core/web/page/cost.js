@@ -1,10 +1,10 @@
-// Estimates the instructions of an update on a microcontroller: its counted work times the measured instructions of a
-// unit of work.
+// Estimates the instructions of an update on a microcontroller: its work (comparisons or products) times the measured
+// instructions per unit of work.
 //
 // Measured on the recording `synthetic` with `smr-qemu ELF synthetic --machine mps2-an386` (Cortex-M4) and
-// `--machine mps3-an547` (Cortex-M55), with `--method robust` and without: instructions of an update over its work. Of
-// SMR the median is of a frame in which bounds exclude most offsets; the maximum is of one in which the runner-up is
-// searched, too, which takes all scores. QEMU counts instructions, not cycles.
+// `--machine mps3-an547` (Cortex-M55), with and without `--method robust`. For SMR, `smr` is the median frame, in which
+// bounds exclude most offsets; `smrWithRunnerUp` is the maximum, in which all scores are computed. QEMU counts
+// instructions, not cycles.
 
 const INSTRUCTIONS_PER_UNIT = {
   robust: { m4: 4_713_680 / 4_325_579, m55: 1_431_719 / 4_325_579 },
@@ -12,13 +12,12 @@ const INSTRUCTIONS_PER_UNIT = {
   smrWithRunnerUp: { m4: 5_636_440 / 931_000, m55: 2_944_969 / 931_000 },
 };
 
-/** The instructions of an answer of `method`: { m4, m55 }. */
 export function instructions(method, { work = NaN, runnerUpRatio = null }) {
   const { m4, m55 } = INSTRUCTIONS_PER_UNIT[method === "smr" && runnerUpRatio !== null ? "smrWithRunnerUp" : method];
   return { m4: m4 * work, m55: m55 * work };
 }
 
-/** A number of instructions in words. Two digits, because no more are known. */
+/** Formats a count of instructions with two significant digits, because the estimate is no better. */
 export function about(count) {
   if (Number.isNaN(count)) {
     return "–";

@@ -1,4 +1,4 @@
-// The recording's own pixels of the part that is seen, where the picture of the frame has fewer than the screen.
+// The visible part of the frame at full resolution, for an enlarged view in which the frame's JPEG is too coarse.
 
 const MOST_SIDE = 640; // pixels of a part that host-sim gives
 const REST_MS = 120; // the user has stopped moving, and the frame stays
@@ -10,12 +10,12 @@ export class Detail {
   #timer = null;
   #here = null; // { number, part, picture }
 
-  /** `load(number, part)` gives the pixels of a part, { x, y, width, height } in whole pixels; `came()` is told. */
+  /** `load(number, part)` fetches a part { x, y, width, height } in whole pixels; `came()` is called after it. */
   constructor(load, came) {
     [this.#load, this.#came] = [load, came];
   }
 
-  /** Asks for the part `seen` of a frame if it is small enough. */
+  /** Requests the visible part `seen` of a frame, if it is small enough, as soon as the user stops moving. */
   want(number, seen, size) {
     const part = around(seen, size);
     const key = `${number} ${Object.values(part)}`;
@@ -29,7 +29,7 @@ export class Detail {
     }
   }
 
-  /** Draws what is here of a frame; `placed(box)` is the place of a box on the canvas. */
+  /** Draws the loaded part of frame `number`, if any; `placed(box)` converts a box to canvas pixels. */
   draw(context, number, placed) {
     if (this.#here?.number === number) {
       context.imageSmoothingEnabled = false;

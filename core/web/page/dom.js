@@ -1,5 +1,3 @@
-// Elements of the page.
-
 export const byId = (id) => document.getElementById(id);
 
 export const htmlNode = (name, attributes, ...children) => filled(document.createElement(name), attributes, children);
@@ -11,20 +9,17 @@ function filled(node, attributes, children) {
   return node;
 }
 
-/** A short line with the color and the dashes of a method; runners-up are dotted. */
+/** Returns a legend's sample line with the color and dashes of a method; dotted for its runner-up. */
 export function sample(method, isSecond = false) {
   const line = { class: `sample look-${method}${isSecond ? " second" : ""}`, viewBox: "0 0 52 6", "aria-hidden": "true" };
   return svgNode("svg", line, svgNode("path", { d: "M0 3H52" }));
 }
 
-// The sizes of canvases, in pixels of the page. Asking an element each time would make the browser lay out the page.
+// Sizes of canvases in CSS pixels, cached because reading them from an element can force a layout.
 const sizes = new WeakMap();
 const resized = new ResizeObserver((entries) => entries.forEach(({ target, contentRect }) => sizes.set(target, contentRect)));
 
-/**
- * Returns the width and height of a canvas in pixels of the page, and gives it as many pixels of its own as the screen
- * has there.
- */
+/** Sets a canvas to the screen's resolution. Returns its width and height in CSS pixels. */
 export function fitted(canvas) {
   if (!sizes.has(canvas)) {
     sizes.set(canvas, { width: canvas.clientWidth, height: canvas.clientHeight });
@@ -38,10 +33,7 @@ export function fitted(canvas) {
   return { width, height };
 }
 
-/**
- * Returns a function that says whether `node` is in view, or nearly. Only nodes in view need to be drawn. `changed` is
- * called when it comes into view.
- */
+/** Returns a function: true while `node` is in or near the visible area. Calls `changed` when it enters that area. */
 export function inView(node, changed) {
   let isSeen = true;
   const observer = new IntersectionObserver(

@@ -1,13 +1,13 @@
-// Draws a box on the picture, moves and resizes it: with mouse, pen or finger, or with keys alone.
+// Lets the user draw, move and resize a box on the picture, by mouse, pen or finger, or by keys.
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-// The number of steps of a key across the picture.
+// Count of key presses that move a box across the whole picture.
 const STEPS = 64;
-// The distance from an edge, in pixels of the page, up to which the pointer is on it. Fingers are wide.
+// Distance in CSS pixels up to which a pointer grips an edge, larger for fingers.
 const REACH = { touch: 26, pen: 16 };
 const MOUSE_REACH = 10;
-// Less is a click.
+// Shortest drag in CSS pixels; a shorter one is a click.
 const LEAST_DRAG = 3;
 
 export class Drag {
@@ -19,9 +19,9 @@ export class Drag {
   #box = null; // what is drawn
 
   /**
-   * `page`: { size() of the frame or null, view() the part of the frame that is seen, start() the box a key begins with, propose(box or null),
-   * lock(box, grip) false to keep the box drawn, grip(point, reach) what is there to take hold of, { box, held } with `held` of `gripOf`, or null,
-   * click(point) }.
+   * `page`: { size() of the frame or null, view() the visible part of the frame, start() the first box for drawing by
+   * keys, propose(box or null), lock(box, grip) which returns false to keep the box drawn, click(point), grip(point,
+   * reach) the box at a point as { box, held } with `held` from `gripOf`, or null }.
    */
   constructor(canvas, page) {
     this.#canvas = canvas;
@@ -33,12 +33,12 @@ export class Drag {
     canvas.addEventListener("keydown", (event) => this.#key(event));
   }
 
-  /** True while a pointer draws. */
+  /** True while a mouse, pen or finger draws. */
   get isPointing() {
     return this.#from !== null;
   }
 
-  /** Locks on the box that is drawn. */
+  /** Locks the target on the drawn box. */
   take() {
     if (this.#box !== null) {
       this.#lock(this.#box);
@@ -54,7 +54,7 @@ export class Drag {
     if (!event.isPrimary || event.button !== 0 || this.#page.size() === null) {
       return;
     }
-    // A pointer that is gone already cannot be captured.
+    // Capturing throws if the pointer has left already.
     try {
       this.#canvas.setPointerCapture(event.pointerId);
     } catch {}
@@ -126,7 +126,7 @@ export class Drag {
     return this.#page.size() === null ? null : this.#page.grip(this.#place(event), (REACH[event.pointerType] ?? MOUSE_REACH) * this.#unit());
   }
 
-  // Pixels of the frame for one of the page.
+  // Returns the pixels of the frame per CSS pixel.
   #unit() {
     return this.#page.view().width / this.#canvas.getBoundingClientRect().width;
   }
@@ -138,10 +138,10 @@ export class Drag {
   }
 }
 
-/** What of a box is at a point: an edge or corner as [-1, 0 or 1 across, the same down], its inside as [0, 0], or null. */
+/** Returns the part of a box at a point: an edge or corner as [-1, 0 or 1 across, -1, 0 or 1 down], or null. */
 export function gripOf(box, { x, y }, reach) {
   const side = (value, from, size) => {
-    // A small box keeps an inside to move it by.
+    // The middle half of a box is always its inside, by which the box is moved.
     const inner = Math.min(reach, size / 4);
     if (value < from - reach || value > from + size + reach) {
       return null;
@@ -163,7 +163,7 @@ function cursorOf(held) {
   return down === 0 ? "ew-resize" : across === 0 ? "ns-resize" : across === down ? "nwse-resize" : "nesw-resize";
 }
 
-// Each corner is on the edge between pixels that is nearest.
+// Returns the box between two corners, rounded to whole pixels and clamped to the frame.
 function between(a, b, size) {
   const edge = (value, most) => clamp(Math.round(value), 0, most);
   const [left, right] = [edge(a.x, size.width), edge(b.x, size.width)].sort((one, other) => one - other);
@@ -171,7 +171,7 @@ function between(a, b, size) {
   return { x: left, y: top, width: right - left, height: bottom - top };
 }
 
-// The box of a grip when what was held at `from` is at `to`.
+// Returns the box after its gripped part was dragged from `from` to `to`.
 function pulled({ box, held: [across, down] }, from, to, size) {
   const [right, below] = [Math.round(to.x - from.x), Math.round(to.y - from.y)];
   if (across === 0 && down === 0) {
@@ -191,7 +191,7 @@ function changed(box, { key, shiftKey, altKey }, size) {
   return inside({ ...box, x: box.x + right, y: box.y + down }, size);
 }
 
-/** Moves a box into a frame of `size`, and cuts it if it is larger. */
+/** Shifts a box into a frame of `size`, and shrinks it if it is larger. */
 export function inside(box, size) {
   const [width, height] = [clamp(box.width, 1, size.width), clamp(box.height, 1, size.height)];
   return { x: clamp(box.x, 0, size.width - width), y: clamp(box.y, 0, size.height - height), width, height };

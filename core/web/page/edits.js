@@ -1,28 +1,26 @@
-// The targets as the user wants them: their names, and the boxes that they are locked on. Each change can be undone.
+// The targets as edited by the user: their names, and the boxes that they are locked on. Each change can be undone.
 
 const COLORS = ["#ff6ec7", "#4aa8ff", "#ffb02e", "#3ddc84", "#c58bff", "#ff5a4f", "#35d6e6", "#d6e35a"];
 const MOST_UNDONE = 500;
 const MOST_UNDER_WAY = 50; // changes that host-sim may still refuse
 
-/** What a shell and host-sim take as a name without quotes. */
+/** Converts a name to one that a shell and host-sim accept without quotes. */
 export const plainName = (name) => name.trim().replace(/[^\p{L}\p{N}_-]+/gu, "_").replace(/^-+/, "");
 
-/** The name of a target; those without one are called by their number. */
+/** Returns the name of a target, or `target` and its id if it has none. */
 export const nameOf = ({ id, name }) => name || `target${id}`;
 
-/** The lock of a target in a frame, if there is one. */
 export const lockIn = (target, number) => target?.locks.find((lock) => lock.number === number);
 
-/** True if the target was taken out of a frame. */
 export const isGone = (target, number) => target?.locks.findLast((lock) => lock.number <= number)?.box === null;
 
-/** A target as host-sim tells it: { id, name, locks: [{ frame, box: [x, y, width, height] or null }] }. */
+/** Converts a target from host-sim's form: { id, name, locks: [{ frame, box: [x, y, width, height] or null }] }. */
 export function targetOf({ id, name, locks }) {
   const boxOf = (box) => box && { x: box[0], y: box[1], width: box[2], height: box[3] };
   return { id, name, locks: locks.map(({ frame, box }) => ({ number: frame, box: boxOf(box) })) };
 }
 
-/** A target as it is told to host-sim. */
+/** Converts a target to host-sim's form. */
 export function toldOf(target) {
   const { id, locks } = target;
   return { id, name: nameOf(target), locks: locks.map(({ number, box }) => ({ frame: number, box: box && [box.x, box.y, box.width, box.height] })) };
@@ -30,8 +28,8 @@ export function toldOf(target) {
 
 export class Edits {
   /**
-   * { id, name, color, locks: [{ number, box }] }, locks in the order of frames. They are replaced, never changed. Without a box the target is
-   * gone from that frame to the next box.
+   * All targets: { id, name, color, locks: [{ number, box }] }, locks by ascending frame number. A null box means that
+   * the target is gone until its next box. The objects are replaced, never changed.
    */
   targets = [];
   #chosen = null; // an id; null: the next box is a new target
@@ -40,7 +38,7 @@ export class Edits {
   #future = [];
   #steps = []; // the last changes: the targets after each, and all that was before
 
-  /** The target that the next box is for; null if it is for a new one. */
+  /** The target of the next box; null if that box creates a new target. */
   get chosen() {
     return this.targets.find(({ id }) => id === this.#chosen) ?? null;
   }
@@ -57,7 +55,7 @@ export class Edits {
     this.#chosen = target?.id ?? null;
   }
 
-  /** Takes targets that were made elsewhere, { id, name, locks }: that cannot be undone here. */
+  /** Replaces the targets by another page's or a session's, { id, name, locks }, and clears the undo history. */
   load(targets) {
     [this.#past, this.#future, this.#steps] = [[], [], []];
     const isAdding = this.targets.length > 0 && this.#chosen === null;
@@ -66,7 +64,7 @@ export class Edits {
     this.#chosen = this.chosen?.id ?? (isAdding ? null : (this.targets[0]?.id ?? null));
   }
 
-  /** Locks a target on `box` in a frame, also again; without a target, a new one. */
+  /** Locks a target on `box` in a frame, replacing its lock there; without a target, adds a new one. */
   lock(number, box, target = this.chosen) {
     const { id, name, color, locks } = target ?? this.#made();
     const others = locks.filter((lock) => lock.number !== number);
@@ -75,18 +73,17 @@ export class Edits {
     this.#chosen = id;
   }
 
-  /** Takes a target out of the frames from this one to its next box. */
+  /** Marks a target as gone from a frame to its next box. */
   lose(target, number) {
     this.lock(number, null, target);
   }
 
-  /** Removes the lock of a target in a frame, and with its only lock the target. */
+  /** Removes a target's lock in a frame; if it was the only lock, removes the target. */
   unlock(target, number) {
     const locks = inOrder(target.locks.filter((lock) => lock.number !== number));
     locks.length === 0 ? this.remove(target) : this.#replace(this.targets.map((one) => (one.id === target.id ? { ...one, locks } : one)));
   }
 
-  /** Adds targets that were read from a file, { name, locks }. */
   add(targets) {
     const added = targets.map(({ name, locks }) => ({ ...this.#made(), name: this.#freeName(name), locks: inOrder(locks) }));
     this.#replace([...this.targets, ...added]);
@@ -100,7 +97,7 @@ export class Edits {
     }
   }
 
-  /** Returns why the name cannot be had, in one line; null if it is given. */
+  /** Renames a target. Returns an error message if another target has the name, else null. */
   rename({ id }, text) {
     const name = plainName(text);
     if (this.targets.some((one) => one.id !== id && nameOf(one) === nameOf({ id, name }))) {
@@ -114,7 +111,7 @@ export class Edits {
     if (this.canUndo) {
       this.#change(this.#past.at(-1), this.#past.slice(0, -1), [...this.#future, this.targets]);
       this.#chosen = this.chosen?.id ?? this.targets.at(-1)?.id ?? null;
-      // Nothing was done: numbers begin anew.
+      // If all changes are undone, ids start again at 1.
       this.#ids = this.canUndo || this.targets.length > 0 ? this.#ids : 0;
     }
   }
@@ -126,20 +123,20 @@ export class Edits {
     }
   }
 
-  /** Takes back a change, an undo too, that was refused: all is as before it. `targets` are those after it. A later change stays. */
+  /** Reverts a refused change (or undo), after which the list was `targets`, unless a later change has replaced it. */
   takeBack(targets) {
     const step = this.#steps.findLast(({ after }) => after === targets);
     if (step === undefined) {
       return;
     }
-    // If a later change is refused as well, all is as before this one.
+    // If a later change is refused as well, it reverts to the state before this one.
     this.#steps.filter(({ before }) => before.targets === targets).forEach((later) => (later.before = step.before));
     if (this.targets === targets) {
       ({ targets: this.targets, past: this.#past, future: this.#future, chosen: this.#chosen } = step.before);
     }
   }
 
-  // Changes the targets, and remembers what was before.
+  // Sets the targets and the history, and stores the state before, for `takeBack`.
   #change(targets, past, future) {
     const before = { targets: this.targets, past: this.#past, future: this.#future, chosen: this.#chosen };
     [this.targets, this.#past, this.#future] = [targets, past.slice(-MOST_UNDONE), future];
@@ -153,7 +150,7 @@ export class Edits {
     return { id: this.#ids, name: "", color: colorOf(this.#ids), locks: [] };
   }
 
-  // A file may use the name of a target that is there.
+  // Returns the name, or none if an existing target has it already.
   #freeName(name) {
     const isFree = (one) => this.targets.every((target) => nameOf(target) !== one);
     const plain = plainName(name);
@@ -165,7 +162,7 @@ export class Edits {
   }
 }
 
-// A target is gone once, and not before its first box.
+// Sorts locks, and drops marks of a gone target that repeat or precede its first box.
 function inOrder(locks) {
   const sorted = [...locks].sort((one, other) => one.number - other.number);
   return sorted.filter(({ box }, at) => box !== null || (at > 0 && sorted[at - 1].box !== null));

@@ -1,15 +1,15 @@
-// The events of a target with their frames: locks, corrections, losses and doubts, in a list that can be clicked.
+// Events of a target (locks, corrections, losses, doubts) with their frames, and a clickable list of them.
 
 import { htmlNode } from "./dom.js";
 
-// A target that is uncertain or leaving for less than this is a flicker, which nobody would look for.
+// Fewest frames for which a target is uncertain or leaving to count as an event; less is flicker.
 const LEAST_FRAMES = 10;
 const AS_STATE = { locked: "tracking", corrected: "tracking", found: "tracking", back: "tracking" };
 
 /**
- * The events of one target, each { kind, frame, until }: `kind` is locked, corrected, gone, back, lost, found, uncertain or
- * leaving, and `until` the last frame of it. `rows`: its answers { number, state } in the order of frames. `locks`: { number, box }, the same;
- * the box is null where the target is gone.
+ * Returns the events of one target: { kind, frame, until }. `kind` is locked, corrected, gone, back, lost, found,
+ * uncertain or leaving; `until` is the event's last frame. `rows` are the answers { number, state } and `locks` the
+ * boxes { number, box }, by ascending frame number; a null box means that the target is gone.
  */
 export function eventsOf(rows, locks) {
   const events = locks.map((lock, at) => event(kindOf(lock, locks[at - 1]), lock.number));
@@ -48,7 +48,7 @@ function addSpan(events, span) {
   events.push({ kind, frame, until });
 }
 
-/** Seconds as minutes and seconds, 0:12.4, and with hours from one hour on, 1:02:03.4. */
+/** Formats seconds as 0:12.4, or with hours as 1:02:03.4. */
 export function clock(seconds) {
   const tenths = Math.round(seconds * 10);
   const whole = Math.floor(tenths / 10);
@@ -57,21 +57,21 @@ export function clock(seconds) {
   return `${hours > 0 ? `${hours}:${two(minutes)}` : minutes}:${two(whole % 60)}.${tenths % 10}`;
 }
 
-/** Where a frame is: 0:12.4 (frame 311). `timeOf(frame)` is its time in seconds, undefined or null if it is unknown. */
+/** Formats a frame's position as `0:12.4 (frame 311)`. `timeOf(frame)` is in seconds, or null if unknown. */
 export function placeOf(frame, timeOf) {
   const time = timeOf?.(frame) ?? null;
   return time === null ? `frame ${frame}` : `${clock(time)} (frame ${frame})`;
 }
 
-/** An event in words: lost at 0:12.4. An event may have the `name` of its target. */
+/** Formats an event as `lost at 0:12.4`, after the `name` of its target if it has one. */
 export function sentence({ kind, frame, name }, timeOf) {
   const time = timeOf?.(frame) ?? null;
   return `${name === undefined ? "" : `${name} `}${kind} at ${time === null ? `frame ${frame}` : clock(time)}`;
 }
 
 /**
- * Fills the list `place` with the events. A click on one calls `goTo(frame)`. The last one at or before the frame `chosen`
- * is marked. What is already there stays, so that it keeps the focus.
+ * Fills the list element `place` with events. A click on one calls `goTo(frame)`. The last event at or before frame
+ * `chosen` is marked. Unchanged items are not replaced, so that they keep the keyboard focus.
  */
 export function drawEvents(place, events, { timeOf, goTo, chosen }) {
   const words = events.map((one) => sentence(one, timeOf));

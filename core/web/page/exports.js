@@ -1,4 +1,4 @@
-// The menu of files that the user takes away, and the list of files that are being made.
+// The menu of files that the user can save, and the list of files that are being written.
 
 import { byId, htmlNode } from "./dom.js";
 
@@ -7,8 +7,8 @@ const ONE_TARGET = "holds one target only";
 const NO_BOX = "draw a box first";
 
 /**
- * Fills the menu. `formats`: { name, several } each, `films`: endings; `take(format)` saves boxes, `make(what, options)` begins a film or a
- * report, each undefined where the source has none.
+ * Fills the menu. `formats` are { name, several }, `films` the extensions of videos. `take(format)` saves boxes;
+ * `make(what, options)` starts to write a video or a report, and is undefined if the source cannot.
  */
 export function drawMenu(place, { formats, films }, { take, make }) {
   const boxes = formats.map(({ name, several }) => button(FORMATS[name] ?? name, { "data-several": several }, () => take(name)));
@@ -17,7 +17,7 @@ export function drawMenu(place, { formats, films }, { take, make }) {
   place.replaceChildren(...groups.map(([title, nodes]) => htmlNode("div", { class: "controls", role: "group", "aria-label": title }, htmlNode("b", {}, title), ...nodes)));
 }
 
-/** Disables what cannot hold so many targets, and says why. */
+/** Disables the formats that cannot store `count` targets, and shows the reason. */
 export function drawLimits(place, count) {
   for (const node of place.querySelectorAll("button")) {
     const why = count === 0 ? NO_BOX : count > 1 && node.dataset.several === "false" ? ONE_TARGET : "";
@@ -28,7 +28,7 @@ export function drawLimits(place, count) {
   byId("limits").textContent = count === 0 ? "Draw a box first." : isLimited ? "Gray formats hold one target." : "";
 }
 
-/** Writes the progress of a file, or the way to it, in a line of its own. `cancel(id)` ends its making. */
+/** Shows the progress of a file, or the link to it, in a line of the list. `cancel(id)` stops writing it. */
 export function drawMade(place, { id, name, done, file, error, cancelled }, cancel) {
   const line = byId(`made${id}`) ?? newLine(place, `made${id}`);
   if (file) {
@@ -40,7 +40,6 @@ export function drawMade(place, { id, name, done, file, error, cancelled }, canc
   }
 }
 
-// Keeps the nodes that are there, so that the button keeps the focus.
 function drawProgress(line, { id, name, done }, cancel) {
   if (line.querySelector("progress") === null) {
     line.replaceChildren(`${name} `, htmlNode("progress", { max: 1, "aria-label": name }), button("Cancel", { "aria-label": `Cancel ${name}` }, () => cancel(id)));
@@ -50,7 +49,7 @@ function drawProgress(line, { id, name, done }, cancel) {
   }
 }
 
-/** Says of boxes that were saved while targets are followed, by their file's name, how many frames they have. */
+/** If boxes were saved before tracking was complete, shows the count of their frames, which is in the file's name. */
 export function drawTaken(place, name) {
   const [, frames, all] = /-(\d+)(?:-of-(\d+))?-frames\.\w+$/.exec(name) ?? [];
   byId("taken")?.remove();

@@ -1,4 +1,4 @@
-// The table and the curves of the chosen target: the tracker's answer for this frame and its cost; states, confidence and ratio.
+// The table of the tracker's answer and cost for the chosen target, and its curves: states, confidence and ratio.
 
 import { about, instructions } from "./cost.js";
 import { htmlNode, sample } from "./dom.js";
@@ -21,7 +21,7 @@ const ROWS = [
   ["Cortex-M55", (now, method) => about(instructions(method, now).m55)],
 ];
 
-/** Fills the table with the answer of `method` for a frame; `now` is undefined if there is none. */
+/** Fills the table with `now`, the answer of `method` for the shown frame, or undefined. */
 export function drawFigures(table, method, now) {
   if (table.dataset.of !== method) {
     table.dataset.of = method;
@@ -39,11 +39,10 @@ export function drawFigures(table, method, now) {
   });
 }
 
-/** The number of frames that the curves show. */
 export const FRAMES = 300;
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
 
-/** Charts as graph.js takes them, of the answers `around` a frame (answers.js), or without lines if that is undefined. */
+/** Returns the charts for graph.js of `around`, the answers near a frame (see answers.js); empty if undefined. */
 export function chartsOf(place, method, around) {
   const lines = (column, read) => (around === undefined ? [] : [{ title: SHORT[method], look: method, numbers: around.last("number"), values: around.last(column).map(read) }]);
   const part = (value) => value / 65535;

@@ -1,11 +1,10 @@
-// The page's side of the worker: sends requests to it, and returns a promise for each answer.
+// Client of the tracking worker: sends requests, and returns a promise for each answer.
 
 export class Follower {
   #worker;
   #waiting = new Map(); // by ticket
   #tickets = 0;
 
-  /** `address`: that of the worker's script. */
   constructor(address) {
     this.#worker = new Worker(address);
     this.#worker.onmessage = ({ data }) => this.#answered(data);
@@ -15,7 +14,7 @@ export class Follower {
     };
   }
 
-  /** Asks for one of the worker's wishes. A `picture` goes to the worker without a copy. */
+  /** Sends a request to the worker; `wish` is its name. A `picture` is transferred without a copy. */
   ask(wish, of = {}) {
     const ticket = this.#tickets++;
     this.#worker.postMessage({ wish, ticket, ...of }, of.picture === undefined ? [] : [of.picture]);

@@ -1,4 +1,4 @@
-// The targets of the browser's page, followed by the worker: each from its boxes on, frame by frame, as far as there are frames.
+// Tracks the targets of the stand-alone page by the worker: each from its first box on, frame by frame.
 
 import { lockIn } from "./edits.js";
 import { TITLES } from "./methods.js";
@@ -7,7 +7,7 @@ const POOR_QUALITY = 1023; // of smr.js
 const KEPT = 9000; // answers of a camera, for each target
 
 export class Following {
-  /** The method and its options, as host-sim names them. */
+  /** Method and its options, by host-sim's names. */
   using = { method: "robust", options: {} };
   #follower;
   #tell;
@@ -18,12 +18,12 @@ export class Following {
   #isBusy = false;
   #began = null; // { time, count } of the frames that are followed now
 
-  /** `tell` takes news as application.js does. */
+  /** `tell` receives news in the form of `heard` in application.js. */
   constructor(follower, tell) {
     [this.#follower, this.#tell] = [follower, tell];
   }
 
-  /** Follows targets in the frames of another source. */
+  /** Switches to another source of frames and drops all targets. */
   use(source) {
     [this.#source, this.#wanted] = [source, []];
     this.#targets.clear();
@@ -32,7 +32,7 @@ export class Following {
     this.#asked = null;
   }
 
-  /** Follows all anew by another method. */
+  /** Tracks all targets again by another method. */
   method(using) {
     this.using = using;
     this.#follower.ask("restart", { using });
@@ -45,8 +45,8 @@ export class Following {
   }
 
   /**
-   * Follows these targets from now on. If the first of the new boxes is refused, throws the reason, and follows those of before. Also throws if
-   * a target would have to be followed anew from a frame that is not kept any more.
+   * Replaces the targets. If a tracker refuses the first of the new boxes, throws its reason and restores the former
+   * targets. Also throws if a target would have to be tracked again from a frame that is not kept any more.
    */
   async targets(wanted) {
     const lost = wanted.map(({ id, locks }) => this.#targets.get(id)?.anew(locks) ?? locks[0].number).find((number) => number < this.#oldest);
@@ -70,17 +70,17 @@ export class Following {
     }
   }
 
-  /** The rows of each target: [name, rows in the order of frames]. */
+  /** Returns [name, rows by ascending frame] of each target; a row is an answer. */
   rows(nameOf) {
     return this.#wanted.map((target) => [nameOf(target), [...this.#targets.get(target.id).rows.values()]]);
   }
 
-  /** The frame up to which all targets are followed; Infinity if all are gone and nobody knows the last frame. */
+  /** Last frame up to which all targets are tracked; Infinity if all are gone and the last frame is unknown. */
   get followed() {
     return Math.min(this.#source.last, ...[...this.#targets.values()].map(({ next }) => next - 1));
   }
 
-  /** Follows what can be followed. */
+  /** Tracks all targets in all available frames, unless it is running already. */
   async run() {
     if (this.#isBusy) {
       return;
@@ -99,7 +99,6 @@ export class Following {
     this.#told([]);
   }
 
-  // The first frame that can be followed.
   get #oldest() {
     return this.#source.oldest ?? 1;
   }
@@ -142,7 +141,7 @@ export class Following {
     }
     const refuse = ({ message }) => jobs.map(({ id }) => [id, { error: message }]);
     const answers = new Map(jobs.length === 0 ? [] : await this.#follower.ask("follow", { number, ...frame, jobs }).catch(refuse));
-    // Targets that were changed meanwhile are followed anew.
+    // Answers for targets that were changed meanwhile are dropped; those targets are tracked again.
     const rows = due.filter((target) => this.#targets.get(target.id) === target).flatMap((target) => this.#took(target, number, answers.get(target.id)));
     this.#told(rows);
   }
@@ -173,12 +172,12 @@ export class Following {
   }
 }
 
-// A target on its way: followed up to the frame `at`.
+// The progress of a target: it is tracked up to the frame `at`.
 export class Target {
   rows = new Map(); // by the number of the frame
   #isActive = false;
 
-  /** From the frame `from` on it is followed anew; before, its rows are those of `before`. */
+  /** Keeps the answers of `before`, its former state, up to the frame `from`, where tracking starts again. */
   constructor(id, locks, from, before) {
     [this.id, this.locks] = [id, locks];
     this.at = from - 1;
@@ -189,26 +188,26 @@ export class Target {
     }
   }
 
-  /** The frame that is followed next; Infinity if there is none. */
+  /** The next frame to track; Infinity if there is none. */
   get next() {
     return this.#isActive ? this.at + 1 : (this.locks.find(({ number }) => number > this.at)?.number ?? Infinity);
   }
 
-  /** The frame from which on it has to be followed anew if it gets other locks; Infinity if it just goes on. */
+  /** Returns the frame at which tracking must restart if the locks change to `locks`; Infinity if it can continue. */
   anew(locks) {
     const has = (all, { number, box }) => all.some((one) => one.number === number && one.box === box);
     const changed = [...locks.filter((lock) => !has(this.locks, lock)), ...this.locks.filter((lock) => !has(locks, lock))];
     const first = Math.min(...changed.map(({ number }) => number));
-    // The worker may be at the frame after `at` already, with the former locks.
+    // The worker may be processing the frame after `at` already, with the former locks.
     if (first > this.at + 1) {
       return Infinity;
     }
-    // Without a lock in that frame the tracker has to come there from the one before, unless the target was gone.
+    // If there is no lock in frame `first`, the tracker must start at the lock before it, unless the target was gone.
     const before = locks.findLast(({ number }) => number <= first);
     return before === undefined || before.box === null ? first : before.number;
   }
 
-  /** Notes the answer for the frame; without one the target is gone. Returns the row, if there is one. */
+  /** Stores the answer for a frame; without one the target is gone. Returns the row, if there is one. */
   took(number, { answer, quality }, kept) {
     this.at = number;
     this.#isActive = answer !== undefined || quality !== undefined;
@@ -227,7 +226,7 @@ const locked = (number, box, quality) => {
   return { number, state: "tracking", box, fineBox: { x: 256 * x, y: 256 * y, width: 256 * width, height: 256 * height }, quality };
 };
 
-// A row as answers.js takes it.
+// Converts an answer of the worker to the array that answers.js reads.
 function shown(id, { number, state, fineBox: { x, y, width, height }, confidence, alpha, ratio, scale, work, runnerUpRatio }) {
   const part = (value, unit) => (value === undefined || value === null ? undefined : value / unit);
   return [

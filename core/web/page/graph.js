@@ -1,4 +1,5 @@
-// Charts over frames: curves, bands of states, and the values of one frame. A click goes to a frame; a drag, the wheel, fingers and keys zoom.
+// Charts over frames: curves, bands of states, and the values at one frame. A click goes to a frame; a drag, fingers
+// and keys zoom.
 
 import { fitted, htmlNode, sample } from "./dom.js";
 import { placeOf } from "./events.js";
@@ -27,7 +28,7 @@ export class Graph {
   #painting = null;
   #resized = new ResizeObserver(() => this.#paintLater());
 
-  /** A click calls `goTo(frame)`. `zooms`: the user may choose a part of the frames. */
+  /** A click calls `goTo(frame)`. With `zooms`, the user can zoom to a range of frames. */
   constructor({ goTo = () => {}, zooms = false } = {}) {
     [this.#goTo, this.#zooms] = [goTo, zooms];
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#paintLater());
@@ -38,9 +39,10 @@ export class Graph {
   }
 
   /**
-   * Draws `charts` over the frames from `first` to `last`, in the element `place` of each: { place, title, most, digits, lines } or { place, title,
-   * bands }. A line or a band is { title, look, isSecond, numbers, values }: `values` has one entry for each frame in `numbers`, in ascending order.
-   * `read(at)`: text of value `at`. `now`: the frame to mark. `hidden`: spans to shade, [first, last]. `named(frame)`: the frame's label on the axis.
+   * Draws `charts` over the frames from `first` to `last`. A chart is { place, title, most, digits, lines } or { place,
+   * title, bands }, with `place` the element for it. A line or a band is { title, look, isSecond, numbers, values, read
+   * }: `values` has one entry for each frame in `numbers`, which ascend; `read(at)`, if given, formats value `at`.
+   * `now` is the frame to mark, `hidden` the ranges [first, last] to shade, `named(frame)` a frame's label on the axis.
    */
   draw({ now = null, hidden = [], named = String, timeOf, ...shown }) {
     const hasChanged = shown.first !== this.#shown?.first || shown.last !== this.#shown?.last;
@@ -51,13 +53,13 @@ export class Graph {
     this.mark(now);
   }
 
-  /** Marks a frame, whose values are said unless the pointer is at another one. */
+  /** Marks a frame, whose values are displayed unless the pointer is over another frame. */
   mark(now) {
     this.#shown.now = now;
     this.#place();
   }
 
-  /** Shows so many times as many frames, around the frame `middle`. */
+  /** Multiplies the count of frames shown by `factor`, around the frame `middle`. */
   zoomBy(factor, middle = this.#shown.now) {
     const { from, to } = this.#span();
     const around = clamp(middle, from, to);
@@ -77,7 +79,7 @@ export class Graph {
     this.#place();
   }
 
-  // ---- the frames that are shown: all, or a part
+  // ---- visible range of frames
 
   #all() {
     return { from: this.#shown.first - 0.5, to: this.#shown.last + 0.5 };
@@ -87,7 +89,7 @@ export class Graph {
     return this.#part ?? this.#all();
   }
 
-  // At least a few frames, and none that there is not.
+  // Shows a range of frames, clamped to the existing ones and to a least length.
   #show(from, to) {
     if (!this.#zooms) {
       return;
@@ -144,7 +146,7 @@ export class Graph {
         this.#pressed = { canvas, x: event.clientX, isHand: event.pointerType === "touch" || event.shiftKey, isClick: this.#fingers.size === 1 && !event.shiftKey };
       }
     });
-    // Up and down, the wheel scrolls the page.
+    // The wheel moves the range sideways; up and down, it scrolls the page.
     canvas.addEventListener("wheel", (event) => {
       const isSideways = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
       if (this.#part !== null && isSideways && !event.ctrlKey) {
@@ -154,7 +156,8 @@ export class Graph {
     }, { passive: false });
   }
 
-  // A mouse draws the part to show. A hand, fingers or the mouse with shift, moves what is shown, or pinches.
+  // Handles a drag. The mouse selects the range to zoom to; a finger, or the mouse with shift, moves the range; two
+  // fingers zoom.
   #moved({ pointerId, clientX }) {
     if (!this.#fingers.has(pointerId)) {
       return;
@@ -204,7 +207,7 @@ export class Graph {
     this.#place();
   }
 
-  // Places the marks, and says the values: nothing is painted for that.
+  // Moves the marks and updates the displayed values, without painting.
   #place() {
     const { now, last, timeOf } = this.#shown;
     const number = this.#pointed ?? now ?? last;
@@ -288,7 +291,7 @@ function write(node, text) {
   }
 }
 
-// The first place in the list whose frame is not before `number`.
+// Returns the first index in the sorted `numbers` whose value is at least `number`.
 function placeIn(numbers, number) {
   let [from, to] = [0, numbers.length];
   while (from < to) {
@@ -306,7 +309,7 @@ function valueOf({ numbers, values, read }, number, digits = 0) {
   return read?.(at) ?? (typeof values[at] === "string" ? values[at] : values[at].toFixed(digits));
 }
 
-// The spans of equal values, and the largest value: found once for each list.
+// Caches, by list of values: runs of equal values, and the largest value.
 const spans = new WeakMap();
 const largest = new WeakMap();
 
@@ -317,7 +320,7 @@ function once(known, values, find) {
   return known.get(values);
 }
 
-/** Spans { value, from, to } of places in the list with the same value; missing values are in none. */
+/** Returns the runs { value, from, to } of equal values, as indices in the list; missing values are in no run. */
 export function spansOf(values, numbers = null) {
   const follows = (at) => at > 0 && (numbers === null || numbers[at] === numbers[at - 1] + 1);
   return once(spans, values, () => {
@@ -350,7 +353,7 @@ function drawGrid(context, { lines, most }, bottom, right) {
 function drawBand(context, { title, numbers, values }, top, x) {
   for (const { value, from, to } of spansOf(values, numbers)) {
     context.fillStyle = palette()[value];
-    // Whole pixels, so that neighbours leave no gap.
+    // Rounds to whole pixels, so that there is no gap between neighbours.
     const [left, right] = [Math.round(x(numbers[from] - 0.5)), Math.round(x(numbers[to] + 0.5))];
     context.fillRect(left, top + 1, Math.max(right - left, 1), BAND - 2);
   }
@@ -374,7 +377,7 @@ function drawLine(context, line, x, y, span) {
     const [across, down] = [x(line.numbers[at]), y(line.values[at])];
     const [isFirst, isLast] = [(points[place - 1] ?? null) === null, (points[place + 1] ?? null) === null];
     isFirst ? context.moveTo(across, down) : context.lineTo(across, down);
-    // A value between two that are missing is a point.
+    // A value without neighbours is drawn as a point.
     if (isFirst && isLast) {
       context.fillRect(across - 1.5, down - 1.5, 3, 3);
     }
@@ -384,8 +387,8 @@ function drawLine(context, line, x, y, span) {
 }
 
 /**
- * Thins a line to about `columns` columns. Returns indices: the least and the largest value of each column, in order; null for a column without
- * values. So the number of points to draw depends on the width of the canvas, not on the length of the recording.
+ * Thins a line to about `columns` columns, so that the count of points to draw does not grow with the recording.
+ * Returns the indices of the least and the largest value of each column, in order; null for a column without values.
  */
 export function thinned({ numbers, values }, { from, to }, columns) {
   const [first, end] = [Math.max(placeIn(numbers, from) - 1, 0), Math.min(placeIn(numbers, to) + 1, numbers.length)];

@@ -1,21 +1,21 @@
-// The gray pixels of a picture. For a video its luma in the full range, as in host-sim and ffmpeg; for anything else
-// the gray of its colors.
+// Converts a picture to gray pixels: of a video its luma in the full range, as in host-sim and ffmpeg; of any other
+// picture the gray of its colors.
 
 const WITH_LUMA = ["I420", "I420A", "I422", "I444", "NV12"];
 
-// Converts the range of video, in which black is 16 and white 235, to the full range.
+// Maps luma in the range of video (black is 16, white is 235) to the full range.
 const FULL = Uint8Array.from({ length: 256 }, (_, luma) => Math.min(Math.max(Math.round(((luma - 16) * 255) / 219), 0), 255));
 
 let canvas = null;
 let planes = new Uint8Array(0);
 
-/** Converts `picture`, a VideoFrame or an ImageBitmap, to a frame for a tracker: { data, width, height }. */
+/** Converts a VideoFrame or an ImageBitmap to a frame for a tracker: { data, width, height }. */
 export async function grayOf(picture) {
   if (picture instanceof ImageBitmap) {
     return ofCanvas(picture, picture.width, picture.height);
   }
   const { displayWidth: width, displayHeight: height, visibleRect: shown, format } = picture;
-  // The pixels of a video need not be square.
+  // Luma is used only if the picture is shown as it is stored: square pixels, not rotated, not flipped.
   const isPlain = WITH_LUMA.includes(format) && shown.width === width && shown.height === height && !(picture.rotation > 0) && !picture.flip;
   return isPlain ? ofLuma(picture, width, height) : ofCanvas(picture, width, height);
 }

@@ -1,8 +1,8 @@
-// The list of targets: chooses, names and removes them.
+// The list of targets, in which the user chooses, renames and removes them.
 
 import { htmlNode } from "./dom.js";
 
-/** `page`: { targets, each { id, name, color }, chosen, choose(target), remove(target), rename(target, text) }. */
+/** Fills the element `place` with `targets` { id, name, color }; the functions are called on the user's actions. */
 export function drawList(place, { targets, chosen, choose, remove, rename }) {
   const shown = targets.map(({ id, name }) => `${id}${name}`).join() + chosen?.id;
   if (place.dataset.shown === shown) {
@@ -31,7 +31,7 @@ function line(target, isChosen, { choose, remove, rename }) {
 function nameField(target, rename) {
   const field = htmlNode("input", { type: "text", maxlength: 40, value: target.name, "aria-label": `Name of ${target.name}` });
   field.addEventListener("change", () => {
-    // A name that is refused, or none, does not stay there.
+    // Restores the former text, in case that the name is refused or empty.
     rename(target, field.value);
     field.value = target.name;
   });

@@ -1,5 +1,5 @@
-// The browser as the source of the application: it reads the frames of the built-in recording, a video file or a camera, and its worker follows
-// targets in them.
+// The browser itself as the source of the application: frames of the built-in recording, a video file or a camera, and
+// a worker that tracks targets in them.
 
 import { BuiltIn } from "./built-in.js";
 import { Camera } from "./camera.js";
@@ -22,7 +22,7 @@ export class Local {
   #choices = 0; // of sources
   #heard = () => {};
 
-  /** Starts the worker, and opens the built-in recording. */
+  /** Starts the worker and opens the built-in recording. */
   async open() {
     if (typeof WebAssembly !== "object") {
       throw new Error("This browser has no WebAssembly, which the trackers need: use a current browser, or allow it.");
@@ -41,7 +41,7 @@ export class Local {
     this.#tell({});
   }
 
-  /** Opens the built-in recording, as the next two open a camera and a file. If that fails, all stays as it was; if another is chosen meanwhile, that one opens. */
+  /** Opens the built-in recording. On failure the former source stays; a source chosen meanwhile takes precedence. */
   async builtIn() {
     await this.#change(new BuiltIn(this.#follower));
   }
@@ -78,12 +78,11 @@ export class Local {
     this.#following.method({ method, options });
   }
 
-  /** Stops the camera. */
   async stop() {
     this.#source.stop();
   }
 
-  /** The boxes as a file, or the flight record of the chosen target: its name and its bytes. */
+  /** Returns the name and the bytes of a file with all boxes, or with the flight record of the chosen target. */
   async boxes(format, chosen) {
     const { method, options } = this.#following.using;
     const { name, last, live } = this.#source;
@@ -113,7 +112,7 @@ export class Local {
     }
   }
 
-  // Returns the facts of a source; null if another one was chosen meanwhile.
+  // Opens a source. Returns what the application needs to know about it; null if another source was chosen meanwhile.
   async #use(source) {
     const choice = ++this.#choices;
     try {

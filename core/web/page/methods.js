@@ -1,17 +1,16 @@
-// The two trackers, by their names in host-sim, and the options that choose their settings.
+// The two trackers by their names in host-sim, and their options.
 
 export const METHODS = ["robust", "smr"];
 export const TITLES = { robust: "Robust tracker", smr: "Paper's tracker (SMR, 2013)" };
-/** Titles where there is little room. */
 export const SHORT = { robust: "Robust", smr: "Paper" };
 
-/** The settings at the start. */
+/** Default settings. */
 export const SETTINGS = {
   robust: { reach: 8, size: true, sweep: 4, refiner: true },
   smr: { config: "camera" },
 };
 
-/** A new tracker of a method with options of `host-sim track`: { set: ["reach=6", "size=off", ...] } or { config }. */
+/** Creates a tracker with options of `host-sim track`: { set: ["reach=6", "size=off", ...] } or { config }. */
 export function trackerOf(library, { method, options: { set = [], config = "paper" } }) {
   if (method === "smr") {
     return library.paper({ preset: config });

@@ -1,4 +1,4 @@
-// The browser's page: the application, with frames that this browser reads.
+// Entry of the stand-alone page: the application, with frames that the browser itself decodes.
 
 import { run } from "./application.js";
 import { byId } from "./dom.js";
@@ -10,7 +10,7 @@ run(source, {
   "built-in": () => source.builtIn(),
   file: async () => {
     const [file] = byId("file").files;
-    // So that the same file can be chosen again.
+    // Clears the field, so that the same file can be chosen again.
     byId("file").value = "";
     await source.read(file);
   },

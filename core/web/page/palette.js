@@ -1,4 +1,4 @@
-// The colors of the page's style, for canvases. They change when the user switches between light and dark.
+// Colors of the page's CSS, for canvases. They are read again after a switch between light and dark.
 
 const NAMES = ["ink", "faint", "rule", "panel", "tracking", "leaving", "uncertain", "lost", "gone"];
 
@@ -9,7 +9,6 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   looks.clear();
 });
 
-/** The colors by name. */
 export function palette() {
   colors ??= read();
   return colors;
@@ -20,7 +19,7 @@ function read() {
   return Object.fromEntries(NAMES.map((name) => [name, page.getPropertyValue(`--${name}`).trim()]));
 }
 
-/** The look of an entrant, as the class `look-NAME` of the style has it: { onFrame, onPage, dash }. */
+/** Returns the color and dashes of a tracker from the CSS class `look-NAME`: { onFrame, onPage, dash }. */
 export function lookOf(name) {
   if (!looks.has(name)) {
     looks.set(name, readLook(name));

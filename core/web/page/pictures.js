@@ -1,8 +1,8 @@
-// The pictures of a <video>, one after the other as the browser shows them.
+// Yields the pictures of a <video> as the browser shows them.
 
 /**
- * Calls `seen({ time, missed })` for each picture: its time, and the number of pictures that were missed before it.
- * Returns a function that ends this.
+ * Calls `seen({ time, missed })` for each picture: its time in seconds, and the count of pictures missed before it.
+ * Returns a function that stops the calls.
  */
 export function eachPicture(video, seen) {
   return video.requestVideoFrameCallback === undefined ? byScreen(video, seen) : byVideo(video, seen);
@@ -20,7 +20,7 @@ function byVideo(video, seen) {
   return () => video.cancelVideoFrameCallback(handle);
 }
 
-// For browsers without that call: looks at each picture of the screen whether the time of the video has changed.
+// For browsers without requestVideoFrameCallback: checks in each animation frame whether the video's time has changed.
 function byScreen(video, seen) {
   let [handle, last] = [0, -1];
   const next = () => {

@@ -1,4 +1,5 @@
-// Moves through the frames of a source: plays, steps and visits them, loads their pictures, and keeps the frame in the address.
+// Playback of a source: plays, steps and jumps through frames, loads their pictures, and writes the frame number into
+// the page's address.
 
 import { Pictures } from "./window-pictures.js";
 
@@ -10,14 +11,13 @@ const LEAP = 10; // frames
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 
 export class Playback {
-  /** The number of the frame that is wanted. */
+  /** Number of the requested frame. */
   frame = null;
-  /** The number of the frame on the screen. */
+  /** Number of the frame on the screen. */
   shown = null;
-  /** The first and the last frame that can be reached. */
   first = 1;
   last = 1;
-  /** True if playback of a live source moves to each new frame by itself. */
+  /** True if a live source is shown at its newest frame. */
   followsNewest = true;
   #pictures;
   #page;
@@ -26,8 +26,9 @@ export class Playback {
   #peeked = null; // the number of a frame that is looked at beside the one that is shown
 
   /**
-   * `page`: { picture(number) a promise for the picture of a frame, isLive(), timeOf(number) its time in seconds or null, speed(), isHeld() true
-   * while the picture has to wait, changed(), failed(error), marks() the numbers of frames to jump to, in order, visited(number) }.
+   * `page`: { picture(number) a promise for the picture of a frame, isLive(), timeOf(number) its time in seconds or
+   * null, speed() a factor, isHeld() true while the picture must not change, changed(), failed(error), marks() frame
+   * numbers to jump to, in order, visited(number) }.
    */
   constructor(page) {
     this.#page = page;
@@ -35,12 +36,10 @@ export class Playback {
     addEventListener("hashchange", () => this.goTo(addressed() ?? this.frame));
   }
 
-  /** The picture on the screen, or undefined. */
   get picture() {
     return this.pictureOf(this.shown);
   }
 
-  /** The picture of a frame, if it is here. */
   pictureOf(number) {
     return this.#pictures.get(number);
   }
@@ -49,22 +48,21 @@ export class Playback {
     return this.#page.isLive() ? this.followsNewest : this.#playing !== null;
   }
 
-  /** True while the picture that is wanted is on its way. */
+  /** True while the picture of the requested frame is loading. */
   get isLoading() {
     return this.frame !== this.shown && !this.#page.isHeld();
   }
 
-  /** Begins with the frame that the address names, or with `otherwise`. */
+  /** Starts at the frame in the page's address or, if there is none, at `otherwise`. */
   begin(otherwise) {
     this.goTo(addressed() ?? otherwise);
   }
 
-  /** Sets the frames that can be reached. */
   reach(first, last) {
     [this.first, this.last] = [first, last];
   }
 
-  /** Forgets all frames: there are others now. */
+  /** Drops all pictures and restarts, for another recording. */
   forget(first, last) {
     [this.frame, this.shown, this.#playing, this.#peeked, this.followsNewest] = [null, null, null, null, true];
     this.#pictures?.end();
@@ -80,14 +78,14 @@ export class Playback {
     this.pictureOf(this.frame) === undefined ? this.#page.changed() : this.#show(this.frame);
   }
 
-  /** The user goes somewhere: nothing goes on by itself then. */
+  /** Goes to a frame for the user, and stops playing. */
   visit(number) {
     this.play(false);
     this.goTo(number);
     this.#writeAddress();
   }
 
-  /** Goes to the next mark (1) or the one before (-1). */
+  /** Goes to the next mark if `way` is 1, to the one before if it is -1. */
   visitMark(way) {
     const frames = this.#page.marks();
     const next = way > 0 ? frames.find((one) => one > this.frame) : frames.findLast((one) => one < this.frame);
@@ -113,18 +111,18 @@ export class Playback {
     this.play(!this.isPlaying);
   }
 
-  /** Plays on from the frame that is wanted, as after a change of the speed. */
+  /** Restarts the clock of playback at the requested frame, as after a change of the speed. */
   restart() {
     this.#playing = this.#playing && restarted(this.frame);
   }
 
-  /** Loads the picture of a frame to look at beside the one that is shown; null for none. */
+  /** Loads the picture of a frame for a preview, beside the shown one; null for none. */
   peek(number) {
     this.#peeked = number;
     this.#want();
   }
 
-  /** Does what a key stands for; false if it stands for nothing. */
+  /** Performs the action of a key. Returns false if the key has none. */
   key({ key, shiftKey }) {
     const by = shiftKey ? LEAP : 1;
     const act = {
@@ -146,7 +144,8 @@ export class Playback {
     this.#pictures.want([...new Set([this.frame, ...ahead, this.shown, this.#peeked].filter((number) => number !== null))]);
   }
 
-  // While the user drags the slider, a picture on the way is better than an old one. A camera has gone on when its first picture comes.
+  // Handles a loaded picture. While the user drags the slider, a frame nearer to the requested one is shown meanwhile.
+  // The first picture of a camera is always shown, because the camera has moved on when it arrives.
   #came(number) {
     const isNearer = this.shown === null ? this.#page.isLive() : Math.abs(number - this.frame) < Math.abs(this.shown - this.frame);
     if (number === this.frame || isNearer) {
@@ -156,7 +155,7 @@ export class Playback {
     }
   }
 
-  // Not every picture of a camera is kept: the next one is there soon.
+  // Handles a picture that failed to load. At a camera's newest frame that is no error: the next picture follows soon.
   #missed(number, error) {
     if (number === this.frame && !(this.#page.isLive() && this.followsNewest)) {
       this.#page.failed(error);
@@ -170,7 +169,7 @@ export class Playback {
     }
   }
 
-  // Shows each frame when its time has come. If its picture has not, it plays more slowly: no frame is left out for that.
+  // Shows each frame when it is due. If its picture is late, playback slows down and skips no frame.
   #tick(now) {
     if (this.#playing === null) {
       return;
@@ -206,13 +205,13 @@ export class Playback {
 
 const restarted = (from) => ({ since: performance.now(), frame: from });
 
-// The frame that the address names; null if it names none.
+// Returns the frame number in the page's address; null if there is none.
 function addressed() {
   const wanted = Math.round(Number(new URLSearchParams(location.hash.slice(1)).get("frame")));
   return wanted > 0 ? wanted : null;
 }
 
-/** The frame that is called so, by its number or by its time, such as 12.5 or 1:02.5; null if there is none. `timeOf(number)` is in seconds or null. */
+/** Returns the frame that `text` names by its number or its time, such as 12.5 or 1:02.5; null if there is none. */
 export function frameNamed(text, { first, last }, timeOf) {
   const words = text.trim();
   if (/^\d+$/.test(words)) {

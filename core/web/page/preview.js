@@ -1,4 +1,4 @@
-// The small picture above the timeline of the frame under the mouse.
+// The preview above the timeline: a small picture of the frame under the mouse.
 
 import { htmlNode } from "./dom.js";
 import { placeOf } from "./events.js";
@@ -18,7 +18,7 @@ export class Preview {
     place.append(this.#box);
   }
 
-  /** `number` of the frame, or null; `x` pixels from the left of the timeline; `picture` is undefined until it has come. */
+  /** Draws the frame `number`, or hides if it is null, at `x` pixels from the left; `picture` may be undefined. */
   draw({ number, x, picture, size, timeOf }) {
     this.#box.hidden = number === null;
     if (number === null) {

@@ -1,4 +1,4 @@
-// The comparisons of the trackers in a frame: templates, differences, and how many pixels differ by how much.
+// Shows what the trackers compared in a frame: templates, difference maps, and histograms of the differences.
 
 import { byId, htmlNode, sample, svgNode } from "./dom.js";
 import { placeOf } from "./events.js";
@@ -6,7 +6,10 @@ import { placeOf } from "./events.js";
 const HEIGHT = 170, LEFT = 56, RIGHT = 22, TOP = 10, BOTTOM = HEIGHT - 34;
 const LABELS = 8;
 
-/** Shows what the `entrants` compared in the frame of this index, or in the one before that has a picture. `data`: { bar, bars } of the histograms. */
+/**
+ * Shows the `entrants` (methods) in the frame `index` or, if it has no picture, in the last one before that has one.
+ * `data` is { bar: gray levels per bar, bars: their count } of the histograms.
+ */
 export function drawComparisons({ first, pictures: { every, comparisons } }, entrants, index, { timeOf, data }) {
   const at = Math.floor(index / every);
   const kept = at * every;

@@ -1,15 +1,15 @@
-// Tables that are sorted by a click on the header of a column.
+// Sorts tables by a click on a column's header.
 
 import { htmlNode } from "./dom.js";
 
-/** Each header gets a button, so that it works by keyboard, too. */
+/** Puts a button into each header, so that sorting works by keyboard, too. */
 export function makeSortable(table) {
   const headers = [...table.tHead.rows[0].cells];
   headers.forEach((header, column) => {
     const button = htmlNode("button", { type: "button", class: "sort" }, header.textContent);
     header.replaceChildren(button);
     button.addEventListener("click", () => {
-      // Names from a to z first, figures from the largest.
+      // The first click sorts names from a to z, and values from the largest.
       const first = column === 0 ? "ascending" : "descending";
       const other = column === 0 ? "descending" : "ascending";
       const order = header.getAttribute("aria-sort") === first ? other : first;
@@ -20,7 +20,7 @@ export function makeSortable(table) {
   });
 }
 
-/** Rows without a figure come last, whatever the order. */
+/** Sorts rows by a column; rows without a value come last in either order. */
 function sortRows(body, column, sign) {
   const text = (row) => row.cells[column].textContent.trim();
   const figure = (row) => Number(text(row));

@@ -1,4 +1,5 @@
-// The page of `host-sim report`: frames with the boxes of all entrants, curves and events, from the data in the page.
+// Script of the page of `host-sim report`: shows frames with the boxes of all trackers, curves and events, from the
+// JSON in the page.
 
 import { byId, htmlNode, sample } from "./dom.js";
 import { clock, drawEvents, eventsOf } from "./events.js";
@@ -22,7 +23,7 @@ const CURVES = [
 const OPEN = 2; // curves that are seen at once
 const MOST_STATES = 2; // on the frame
 
-// Differences above this are drawn as bright as this.
+// Smallest difference in gray levels that is drawn at full brightness.
 const BRIGHTEST = 127;
 const bright = (level) => Math.floor(Math.sqrt((255 * 255 * Math.min(level, BRIGHTEST)) / BRIGHTEST));
 const GRAY = (shade) => [shade, shade, shade];
@@ -34,7 +35,7 @@ let recording = null;
 let [numbers, hidden, events] = [[], [], []];
 let drawing = null;
 
-// Before the playback reads the frame.
+// Registered before the playback's own listener, which reads the frame from the address.
 addEventListener("hashchange", () => open(addressed() ?? recording));
 const playback = new Playback({
   picture, isLive: () => false, timeOf: (number) => timeOf(number), speed: () => Number(byId("speed").value), isHeld: () => false, changed: draw, failed: () => {},
@@ -58,7 +59,7 @@ async function picture(number) {
 
 // ---- recordings
 
-/** The recording that the address names, or undefined. */
+/** Returns the recording that the page's address names, or undefined. */
 function addressed() {
   const name = new URLSearchParams(location.hash.slice(1)).get("recording");
   return data.recordings.find((one) => one.name === name);
@@ -84,7 +85,7 @@ function open(one) {
   fit();
 }
 
-/** What happened to each target, in the order of frames: its first method tells. */
+/** Returns the events of all targets by frame, according to the first method of each target. */
 function eventsOfAll() {
   const of = ({ name, locks }, target) => {
     const { states } = recording.entrants.find((entrant) => entrant.target === target);
@@ -133,7 +134,7 @@ function span(states, at) {
   return `${value} in ${numbers[from]} to ${numbers[to]}`;
 }
 
-/** Draws what is read at once, and the picture as soon as it is there. */
+/** Draws text and charts at once, and the frame in the next animation frame. */
 function draw() {
   const { frame, first, last, isPlaying } = playback;
   const index = frame - first;
@@ -151,7 +152,7 @@ function draw() {
   drawing ??= requestAnimationFrame(drawPicture);
 }
 
-/** [title, state] of the first trackers. */
+/** Returns [title, state] of the first trackers, for the corner of the frame. */
 function statesAt(index) {
   const truth = recording.entrants.find(({ isTruth }) => isTruth);
   const all = recording.entrants.filter(({ states }) => states).slice(0, MOST_STATES);
@@ -177,7 +178,8 @@ function drawPicture() {
   byId("stage").dataset.frame = playback.shown;
 }
 
-// In a narrow window the player lies over the room that it takes, and gets smaller when that is scrolled away: what is below does not jump.
+// In a narrow window the player stays visible and shrinks while the user scrolls. It floats over an empty element of
+// fixed height, so that the content below does not jump.
 function fit() {
   const [screen, room, stage] = ["screen", "room", "stage"].map(byId);
   const high = (pixels) => stage.style.setProperty("--high", pixels);
@@ -188,7 +190,7 @@ function fit() {
     return;
   }
   high(`max(26vh, ${Math.min(room.getBoundingClientRect().bottom - rest, full)}px)`);
-  // It goes away with the last of the curves.
+  // The player scrolls away with the end of the curves.
   screen.style.transform = `translateY(${Math.min(byId("player").getBoundingClientRect().bottom - screen.offsetHeight, 0)}px)`;
 }
 
@@ -221,7 +223,6 @@ function listen() {
   document.querySelectorAll(".scroll table").forEach(makeSortable);
 }
 
-/** The legend for the shades of a difference. */
 function drawScale(place) {
   const stops = (color) => Array.from({ length: 17 }, (_, at) => `rgb(${color(bright((at * BRIGHTEST) / 16)).join()})`).join(", ");
   const line = (text, color) => {

@@ -1,13 +1,13 @@
-// Answers in the formats of host-sim: `host-sim track --format csv` and `host-sim track --json`.
+// Formats answers like `host-sim track --format csv` and `host-sim track --json`.
 
 const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
 
-// Rounds to six digits, as host-sim does.
+// Rounds to six decimals, as host-sim does.
 const rounded = (value, unit) => (Number.isFinite(value) ? Math.round((value / unit) * 1e6) / 1e6 : null);
 
 /**
- * The rows of all targets, in the order of the frames. `named` is a list of [name, rows], each row { number, state, box, fineBox, ... };
- * `timeOf(frame)` is the time of a frame in seconds, or null.
+ * Returns CSV with the answers of all targets, by frame. `named` is a list of [name, rows], each row { number, state,
+ * box, fineBox, ... }; `timeOf(frame)` is the time of a frame in seconds, or null.
  */
 export function csv(named, timeOf) {
   const isNamed = named.length > 1;
@@ -15,7 +15,7 @@ export function csv(named, timeOf) {
   return (isNamed ? "target," : "") + CSV_NAMES + lines.join("");
 }
 
-/** One JSON object on each line, which begins with `origin`. */
+/** Returns one JSON object per line, with the fields of `origin` first. */
 export function json(named, origin, timeOf) {
   const isNamed = named.length > 1;
   return inOrder(named).map(([name, row]) => `${JSON.stringify({ ...origin, ...(isNamed ? { target: name } : {}), ...ofRow(row, timeOf) })}\n`).join("");

@@ -3,7 +3,7 @@
 import { fitted } from "./dom.js";
 import { palette } from "./palette.js";
 
-/** The dashes of a box that is not of this frame. */
+/** Dashes and gaps, in pixels, of a box from an earlier frame. */
 const LAST_DASH = [4, 4];
 const SHARED_DASH = 10;
 const NEAR = 2.5; // pixels: boxes that differ by less look the same
@@ -11,10 +11,10 @@ const SHADOW = "rgb(0 0 0 / .55)";
 const LETTERS = 14, LEAST_LETTERS = 11;
 const HANDLE = 9;
 const WIDE_HANDLE = 16; // for fingers
-// A picture is drawn smoothly, unless its pixels are so large that they are to be seen.
+// Enlargement from which a picture is drawn without smoothing, so that its pixels are visible.
 const SMOOTH = 4;
 
-/** Draws on a canvas of the page, as `drawFrame` does. */
+/** Draws `drawFrame`'s scene on a whole canvas of the page, at the screen's resolution. */
 export function drawStage(canvas, scene) {
   const context = canvas.getContext("2d");
   const place = fitted(canvas);
@@ -23,10 +23,11 @@ export function drawStage(canvas, scene) {
 }
 
 /**
- * Draws on a part of a canvas of `width` times `height`. `view` is the part of a frame of `size`, maybe with a margin, that is seen. `under(context, placed)` draws
- * under the boxes, where `placed(box)` is the place of a box on the canvas. `boxes`: { box,
- * color, dash, words, isChosen, isLast, hasHandles } each; `isLast`: the box is not of this frame. `words`: { text, color } each, for the corner.
- * `proposed`: the box that the user draws, or null.
+ * Draws a frame and boxes on a canvas area of `width` by `height`. `view` is the visible part of the frame of `size`;
+ * it may include a margin. `under(context, placed)` draws below the boxes; `placed(box)` converts a box to canvas
+ * pixels.
+ * `boxes` are { box, color, dash, words, isChosen, isLast, hasHandles }; `isLast` marks a box from an earlier frame.
+ * `words` are { text, color } for the corner. `proposed` is the box that the user draws, or null.
  */
 export function drawFrame(context, { width, height }, { picture, size, view = { x: 0, y: 0, ...size }, under = () => {}, boxes, words = [], proposed = null, color = "#fff" }) {
   const scale = width / view.width;
@@ -38,7 +39,7 @@ export function drawFrame(context, { width, height }, { picture, size, view = { 
   for (const one of sharing(boxes.map((one) => ({ ...one, place: placed(one.box) })))) {
     drawBox(context, one);
   }
-  // A click draws nothing.
+  // A click proposes an empty box, which is not drawn.
   if (proposed !== null && proposed.width + proposed.height > 0) {
     drawEdge(context, placed(proposed), { color, line: 2 });
     handles(context, placed(proposed), color);
@@ -46,7 +47,7 @@ export function drawFrame(context, { width, height }, { picture, size, view = { 
   drawWords(context, words, width);
 }
 
-/** Boxes that coincide share one line, a dash of each in turn: so all are seen. */
+/** Gives boxes that coincide alternating dashes, so that all colors are visible. */
 export function sharing(boxes) {
   const groups = [];
   for (const one of boxes.filter(({ isLast }) => !isLast)) {
@@ -92,7 +93,7 @@ function outline(context, place, { color, line, dash = [], offset = 0 }) {
 
 function handles(context, [x, y, width, height], color) {
   const widest = matchMedia("(pointer: coarse)").matches ? WIDE_HANDLE : HANDLE;
-  // The handles of a small box are small, so that its content is seen.
+  // A small box has small handles, so that its content stays visible.
   const side = Math.max(Math.min(widest, width / 4, height / 4), 4);
   for (const across of [0, 0.5, 1]) {
     for (const down of [0, 0.5, 1]) {
@@ -106,14 +107,14 @@ function handles(context, [x, y, width, height], color) {
   }
 }
 
-/** The number of a frame, and the state in it of each tracker, for the corner: [title, state]. */
+/** Returns the text for the corner: the frame number and each tracker's state. `states` are pairs [title, state]. */
 export function stateWords(number, states) {
   const colors = { ...palette(), tracking: "#fff" };
   const of = ([title, state]) => [{ text: `  ${title}: `, color: "#fff" }, { text: state, color: colors[state] ?? "#fff" }];
   return [{ text: String(number), color: "#fff" }, ...states.flatMap(of)];
 }
 
-// All of them are seen, however narrow the frame is.
+// Draws the text in the corner, in smaller letters if the frame is narrow.
 function drawWords(context, words, width) {
   const wanted = Math.max(width / 40, LEAST_LETTERS);
   context.font = font(wanted);

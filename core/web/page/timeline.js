@@ -1,18 +1,17 @@
-// The slider over all frames: the states of the targets along it, marks where something happened, and how far frames were
-// followed.
+// The slider over all frames, with the targets' states, marks of events, and the progress of tracking.
 
 import { fitted, htmlNode } from "./dom.js";
 import { placeOf } from "./events.js";
 import { palette } from "./palette.js";
 
 const WORST_LAST = [undefined, "tracking", "leaving", "uncertain", "lost"];
-// The number of states that one drawing asks for: more of them, of a long video, are seen in the next drawings.
+// Most frames whose states are read in one drawing; the rest of a long video is read in the next drawings.
 const BUDGET = 10_000;
 const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6, LEAST_HEIGHT = 32;
-// Milliseconds for which the head stays where the user put it, if that frame does not come.
+// Milliseconds for which the head stays where the user put it, if that frame cannot be shown.
 const PATIENCE_MS = 1000;
 
-/** The worst state in each of `count` columns, in which the frames from `first` to `last` lie. */
+/** Divides the frames `first` to `last` into `count` columns of pixels, and finds the worst state in each. */
 export class Columns {
   states = [];
   #next = 0;
@@ -21,27 +20,26 @@ export class Columns {
     [this.count, this.first, this.last] = [count, first, last];
   }
 
-  /** The first and the last frame in a column. */
   frames(column) {
     const all = this.last - this.first + 1;
     const from = Math.floor((column * all) / this.count);
     return [this.first + from, this.first + Math.max(Math.ceil(((column + 1) * all) / this.count) - 1, from)];
   }
 
-  /** Takes the first frame of each column for all of it, until it is looked at. */
+  /** Fills each column with the state of its first frame, as a quick preview. */
   sample(states) {
     this.states = Array.from({ length: this.count }, (_, column) => states(this.frames(column)[0]));
     return this;
   }
 
-  /** Looks at the column of a frame again. */
+  /** Recomputes the column that contains a frame. */
   see(frame, states) {
     if (frame >= this.first && frame <= this.last) {
       this.#look(Math.floor(((frame - this.first) * this.count) / (this.last - this.first + 1)), states);
     }
   }
 
-  /** Looks at the next columns again, `budget` frames or a little more of them. Returns the number of columns. */
+  /** Recomputes the next columns, at least `budget` frames of them. Returns the count of columns. */
   refresh(states, budget) {
     let seen = 0;
     for (; seen < this.count && budget > 0; seen++) {
@@ -76,10 +74,10 @@ export class Timeline {
   #hasKeys = true; // the user moves the head by keys
   #drawing = null;
 
-  /** `page`: { goTo(frame) the user moves the head, hover(frame, place) a mouse is over a frame, or over none: null }; hover may be missing. */
+  /** `page`: { goTo(frame) when the user moves the head, hover(frame or null, x) when the mouse moves, optional }. */
   constructor(place, page) {
     this.#page = page;
-    // Styles that no page has to know. The canvas draws the head; the input has the keys and speaks.
+    // The visible canvas lies below a transparent input, which provides keys and accessibility.
     Object.assign(this.#box.style, { position: "relative", touchAction: "pan-y", cursor: "pointer" });
     Object.assign(this.#canvas.style, { display: "block", width: "100%" });
     Object.assign(this.#input.style, { position: "absolute", inset: 0, width: "100%", height: "100%", margin: 0, opacity: 0, pointerEvents: "none" });
@@ -89,8 +87,9 @@ export class Timeline {
   }
 
   /**
-   * `first` and `last` frame, the `frame` that is shown, the last frame `followed` or null. `strips`, one for each target:
-   * { color, isChosen, states(frame) }. `marks`: events, see events.js. `timeOf(frame)` in seconds.
+   * Draws the slider from the `first` to the `last` frame with the head at `frame`. `followed` is the last tracked
+   * frame or null. Each target has a strip { color, isChosen, states(frame) }. `marks` are events, see events.js.
+   * `timeOf(frame)` is in seconds.
    */
   draw(shown) {
     this.#shown = shown;
@@ -125,7 +124,7 @@ export class Timeline {
         this.#box.setPointerCapture(event.pointerId);
         this.#isDragged = true;
         this.#want(this.#frameAt(event));
-        // The browser would take the focus away after this.
+        // Keeps the browser from removing the focus.
         event.preventDefault();
         this.#input.focus({ preventScroll: true });
         this.#hasKeys = false;
@@ -212,7 +211,7 @@ export class Timeline {
     }
   }
 
-  // The columns at the ends of what was followed are looked at each time, the others in turn.
+  // Recomputes the columns of the shown and the last tracked frame each time, and the others in turn.
   #look(count) {
     const { first, last, frame, followed, strips } = this.#shown;
     const isOther = (one) => one?.count !== count || one.first !== first || one.last !== last;
@@ -253,7 +252,7 @@ function drawFollowed(context, top, width, end) {
   context.fillRect(EDGE, top, end - EDGE, 3);
 }
 
-// A lock is a dot, all else points down.
+// Draws a dot for a lock, and a triangle that points down for any other event.
 function drawMark(context, x, kind) {
   const colors = palette();
   context.fillStyle = colors[kind] ?? (kind === "found" ? colors.tracking : colors.ink);

@@ -1,4 +1,4 @@
-// The settings of the tracker, as elements of the page and as options of host-sim.
+// Converts the tracker's settings between form fields of the page and options of host-sim.
 
 import { optionsOf } from "./command.js";
 import { byId, htmlNode } from "./dom.js";
@@ -7,7 +7,7 @@ import { SETTINGS, TITLES } from "./methods.js";
 const NUMBERS = ["reach", "sweep"];
 const SWITCHES = ["size", "refiner"];
 
-/** Shows a method and its options; `methods` are those to choose from. */
+/** Fills the form with the available `methods`, the chosen one and its options. */
 export function showTracker({ methods, method, options: { set = [], config } }) {
   byId("method").replaceChildren(...methods.map((one) => htmlNode("option", { value: one }, TITLES[one])));
   const given = Object.fromEntries(set.map((one) => one.split("=")));
@@ -25,12 +25,12 @@ export function showTracker({ methods, method, options: { set = [], config } }) 
   showMethod();
 }
 
-/** Shows the settings of the method that is chosen. */
+/** Shows only the fields of the chosen method. */
 export function showMethod() {
   document.querySelectorAll("[data-method]").forEach((node) => (node.hidden = node.dataset.method !== byId("method").value));
 }
 
-/** The method and the options that are chosen. Options that the page does not show stay as they were `before`. */
+/** Reads the method and its options from the form. Options without a field are copied from `before`. */
 export function chosenTracker(before) {
   const method = byId("method").value;
   const { set = [], config, ...others } = method === before.method ? before.options : {};

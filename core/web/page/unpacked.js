@@ -1,6 +1,6 @@
-// Unpacks the files that build.mjs packs: deflated, in Base64.
+// Unpacks the files that build.mjs packs into the page: deflate, then Base64.
 
-/** The bytes of packed text, as a Response. */
+/** Returns the unpacked bytes as a Response. */
 export function unpacked(text) {
   const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate")));

@@ -1,4 +1,4 @@
-// A video file as a source of frames: one decoder for the trackers, another for the eyes, so that neither waits for the other.
+// A video file as a source of frames: one decoder for the trackers and one for the screen, so that neither waits.
 
 import { quoted } from "./command.js";
 import { Video } from "./video.js";
@@ -11,13 +11,13 @@ export class VideoFile {
   #seen;
   #end = Infinity; // the last frame, once the trackers were there
 
-  /** `page.failed(text)` is told why the file ends early or cannot be played. */
+  /** `page.failed(text)` is called with the reason if the file ends early or cannot be played. */
   constructor(file, page) {
     [this.#file, this.#page] = [file, page];
     [this.name, this.words] = [file.name, quoted(file.name)];
   }
 
-  /** Opens the file. If it cannot be played, throws an error that says why in one line. */
+  /** Opens the file. Throws an error with the reason in one line if it cannot be played. */
   async open() {
     if (this.#file.size === 0) {
       throw new Error(`${this.name} is empty: choose a video.`);
@@ -29,12 +29,11 @@ export class VideoFile {
     [this.width, this.height] = [this.#followed.width, this.#followed.height];
   }
 
-  /** A warning for the user; none as a rule. */
   get warning() {
     return this.#followed.isUneven ? "Frames of this file come at uneven times: unless they are followed from the first one on, their numbers are estimates." : "";
   }
 
-  /** The number of the last frame that can be followed; Infinity until it was reached (what `news` says before is an estimate). */
+  /** Number of the last frame; Infinity until it was reached, because `news` can only estimate it before. */
   get last() {
     return Math.min(this.#end, this.#followed.isCounted ? this.#followed.length : Infinity);
   }
@@ -47,7 +46,7 @@ export class VideoFile {
     return { frames: Math.min(this.#followed.length ?? Infinity, this.#end) };
   }
 
-  /** The frame for the trackers; null if the file ends before it. */
+  /** Decodes a frame for the trackers; null if the file ends before it. */
   async frame(number) {
     const picture = await this.#followed.take(number);
     if (picture === null) {

@@ -1,31 +1,32 @@
-// The pictures of a video file by their numbers. None is lost: where the browser skipped a picture, this goes back for it.
+// Decodes the pictures of a video file by number. Where the browser skips a picture, it seeks back, so that none is
+// lost.
 
 import { lacking } from "./codec.js";
 import { quoted } from "./command.js";
 import { htmlNode } from "./dom.js";
 
-// The time from a picture to the next one in seconds, assumed until it is known.
+// Assumed time in seconds from a picture to the next, until it is measured.
 const LIKELY_STEP = 1 / 30;
-// A gap between pictures of more than this many steps may hide a skipped one.
+// Distance between two pictures, in steps (usual times between pictures), above which one may be skipped.
 const GAP = 1.5;
-// A picture may last so many steps, because their times are rounded.
+// Longest time that a picture is shown, in steps; more than 1, because times are rounded.
 const SLACK = 1.25;
-// A mean step that is so much longer than the shortest one.
+// Ratio of the mean step to the shortest one, above which a video's frames count as uneven.
 const UNEVEN = 1.2;
-// Less than files can tell apart.
+// A time in seconds that is shorter than files can resolve.
 const HAIR = 0.0005;
-// The number of pictures that wait to be taken before the video pauses.
+// Count of decoded pictures in the queue at which the video pauses.
 const MOST_WAITING = 3;
-// As quick as it plays, while pictures are taken that quickly.
+// Playback rate, while pictures are taken from the queue fast enough.
 const SPEED = 2;
-// After a skipped picture the video is slowed down so much, and after so many pictures without one it is as much quicker again.
+// Factor of the playback rate after a skipped picture, and count of unskipped pictures after which it is undone.
 const SLOWER = 0.8, PATIENCE = 10;
-// Less would be slower than to seek each picture.
+// Least factor of the playback rate: below it, seeking to each picture is faster.
 const LEAST_PART = 0.3;
-// The longest wait for a picture after its seek (ms), and the most waits: for an old picture, and for any.
+// Longest wait for a picture after a seek (ms), and most waits: while the old picture is shown, and while there is
+// none.
 const LATE_MS = 150, WAITS = 2, WAITS_FOR_ANY = 100;
 
-// The picture that a video shows; null if there is none yet.
 function pictureOf(video) {
   try {
     return new VideoFrame(video);
@@ -58,7 +59,7 @@ export class Video {
   #part = 1; // of the speed, so that no picture is skipped
   #unskipped = 0; // pictures since one was skipped
 
-  /** `failed(text)` is told why the file ends early. `like`: another decoder of this file, which is open. */
+  /** `failed(text)` is called with the reason if the file ends early. `like` is another open decoder of this file. */
   constructor(file, failed, like = null) {
     [this.#file, this.#failed] = [file, failed];
     this.#video = htmlNode("video", { class: "decoder", playsinline: "" });
@@ -76,7 +77,7 @@ export class Video {
     };
   }
 
-  /** Opens the file. If it cannot be played, throws an error that says why in one line. */
+  /** Opens the file. Throws an error with the reason in one line if it cannot be played. */
   async open() {
     const video = this.#video;
     if (typeof VideoFrame !== "function" || video.requestVideoFrameCallback === undefined) {
@@ -100,31 +101,31 @@ export class Video {
     video.onerror = () => this.#ends();
   }
 
-  /** The number of frames; an estimate until all were seen. */
+  /** Count of frames; an estimate until all were decoded; null if unknown. */
   get length() {
     const { duration } = this.#video;
     const passed = duration - this.#known.start;
     return this.#known.length ?? (Number.isFinite(passed) ? Math.max(Math.round(passed / this.#pace), this.#known.counted) : null);
   }
 
-  /** True if frames come at uneven times: then those that were not played from the first one on have estimated numbers. */
+  /** True if frames have uneven intervals: their numbers are estimates unless all before them were decoded. */
   get isUneven() {
     const { mean, step } = this.#known;
     return mean.step > UNEVEN * step;
   }
 
-  /** True if the number of frames is no estimate. */
+  /** True if `length` is exact. */
   get isCounted() {
     return this.#known.length !== null;
   }
 
-  /** The time of a frame in seconds; an estimate where no frame was seen. */
+  /** Returns the time of a frame in seconds; an estimate if the frame was not decoded yet. */
   timeOf(number) {
     const { times, counted } = this.#known;
     return times[number] ?? (times[counted] ?? this.#known.start - this.#pace) + (number - counted) * this.#pace;
   }
 
-  /** The picture of a frame, a VideoFrame; null if the file ends before it. Those that are taken in order come without seeking. */
+  /** Returns the picture of a frame, a VideoFrame; null if the file ends before it. Frames in order need no seek. */
   take(number) {
     this.#taking = this.#taking.then(() => {
       if (number > (this.#known.length ?? Infinity) || this.#stopped.signal.aborted) {
@@ -152,12 +153,11 @@ export class Video {
     URL.revokeObjectURL(this.#address);
   }
 
-  // The number of the picture that comes without seeking; null at the end.
+  // Number of the picture that is available without a seek; null at the end.
   get #next() {
     return this.#queue[0]?.number ?? (this.#isEnding ? null : this.#last.number + 1);
   }
 
-  // Forgets the pictures that wait.
   #drop() {
     this.#video.pause();
     this.#queue.splice(0).forEach(({ picture }) => picture.close());
@@ -182,7 +182,6 @@ export class Video {
     return hasSound ? `${this.#file.name} has no pictures.` : `${this.#file.name} is damaged or no video: expected MP4, WebM or another that this browser knows.`;
   }
 
-  /** Returns whether the browser can play it. */
   #load() {
     const video = this.#video;
     return new Promise((resolve) => {
@@ -192,7 +191,7 @@ export class Video {
     });
   }
 
-  // After an error a browser plays nothing of the file any more, and no seek ends.
+  // Loads the file again: after an error a browser does not play it any more, and no seek ends.
   #reload() {
     [this.#turn, this.#seeks] = [Promise.resolve(), 0];
     this.#stopped.abort();
@@ -200,7 +199,7 @@ export class Video {
     return this.#load();
   }
 
-  // A damaged file is as long as it can be read.
+  // Ends a damaged file at the last frame that could be decoded.
   async #ends() {
     this.#failed(`${this.#file.name} is damaged: it ends here.`);
     this.#known.length = this.#known.counted;
@@ -212,27 +211,27 @@ export class Video {
 
   // ---- pictures
 
-  // The last picture that was taken or waits.
+  // The last picture in the queue or, if it is empty, the last one taken.
   get #ahead() {
     return this.#queue.at(-1) ?? this.#last;
   }
 
-  // The mean time from a picture to the next one.
+  // Mean time in seconds from a picture to the next.
   get #pace() {
     const { step, count } = this.#known.mean;
     return this.#known.counted <= count ? step : (this.#known.times[this.#known.counted] - this.#known.times[1]) / (this.#known.counted - 1);
   }
 
-  // The first two pictures tell how long one takes.
+  // Measures the start of the video and the time between its first two pictures.
   async #measure() {
     await this.#alone(async () => {
-      // Of some files the length is known at their end.
+      // The length of some files is known only after a seek to their end.
       if (this.#video.duration === Infinity) {
         (await this.#pictureAt(1e9)).close();
       }
       const { duration } = this.#video;
       const middle = await this.#pictureAt(duration / 2);
-      // In Firefox they count seconds as microseconds.
+      // Timestamps should be in microseconds, but Firefox writes seconds.
       this.#known.isTimed = middle.picture.timestamp > duration * 1e5;
       middle.close();
       const first = await this.#pictureAt(0);
@@ -247,8 +246,8 @@ export class Video {
     });
   }
 
-  // A file may round its times to milliseconds: so the mean step is taken over more and more pictures, as far as the one
-  // before tells how many they are.
+  // Measures the mean time between pictures over more and more of them, because a file may round times to milliseconds.
+  // Each mean is precise enough to count the pictures of the next, longer span.
   async #average(start) {
     this.#known.mean = { step: this.#known.step, count: 1 };
     for (let count = 4; start + count * this.#known.mean.step < this.#video.duration; count *= 4) {
@@ -260,7 +259,7 @@ export class Video {
     }
   }
 
-  // Does something that seeks, after all that does so. Then the video plays on.
+  // Queues an action that seeks behind earlier ones. Afterwards the video plays on.
   #alone(seek) {
     const { signal } = this.#stopped;
     const failed = (error) => signal.aborted || this.#fail(error);
@@ -279,13 +278,13 @@ export class Video {
       return;
     }
     if (video.ended) {
-      // To play would begin again.
+      // Calling play() would start at the beginning.
       this.#goBack(Infinity);
       return;
     }
     video.playbackRate = SPEED * this.#part;
     video.play().catch((error) => {
-      // A pause soon after is no error.
+      // A pause before playback has started is no error.
       if (error.name !== "AbortError") {
         this.#fail(error);
       }
@@ -304,12 +303,12 @@ export class Video {
     found === null ? this.#end(number) : this.#add(found, number);
   }
 
-  /** The picture at a time: { picture, time, close() }. */
+  /** Seeks to a time. Returns the picture there: { picture, time, close() }. */
   async #pictureAt(time) {
     const video = this.#video;
     video.pause();
     const before = this.#mediaTime;
-    // After an error this seek has no end, and what waits for it has none.
+    // After an error the seek never ends, so the listener is removed by `#stopped`.
     const how = { once: true, signal: this.#stopped.signal };
     const seeked = new Promise((resolve) => video.addEventListener("seeked", resolve, how));
     video.currentTime = time;
@@ -323,7 +322,7 @@ export class Video {
     return found;
   }
 
-  // The picture that is shown. On a busy machine a seek may end before its picture is there.
+  // Waits for the picture that is shown: on a busy machine a seek may end before its picture is available.
   async #there() {
     for (let waits = 0; waits < WAITS_FOR_ANY && !this.#stopped.signal.aborted; waits++) {
       const found = this.#shown();
@@ -339,14 +338,14 @@ export class Video {
     return Promise.race([new Promise((resolve) => this.#video.requestVideoFrameCallback(resolve)), wait(LATE_MS)]);
   }
 
-  // True if this may still be the picture of before the seek to `time`, or the one that came while it paused.
+  // True if `found` may still be the picture from before the seek to `time`, or one that appeared during the pause.
   #isLate(found, before, time) {
     const step = this.#known.step ?? LIKELY_STEP;
     const isThere = found.time <= time + HAIR && time < found.time + SLACK * step;
     return !this.#known.isTimed || (!isThere && Math.abs(found.time - before) < GAP * step);
   }
 
-  // The picture that the video element shows now, and its time; null if there is none yet.
+  // Returns the picture that the video element shows, and its time; null if there is none yet.
   #shown() {
     const picture = pictureOf(this.#video);
     if (picture === null) {
@@ -358,7 +357,7 @@ export class Video {
     return { picture, time: this.#mediaTime, close: () => picture.close() };
   }
 
-  // The picture after the one at `time`; null if there is none.
+  // Seeks to the picture after the one at `time`; null if there is none.
   async #after(time) {
     const end = Math.min(this.#video.duration, time + 60);
     let reach = GAP * (this.#known.step ?? LIKELY_STEP);
@@ -368,7 +367,7 @@ export class Video {
       reach *= 2;
       next = await this.#pictureAt(time + reach);
     }
-    // A picture between them would be the one just before it.
+    // If there is a picture in between, a seek to just before `next` finds it.
     while (next.time - time > GAP * (this.#known.step ?? 0)) {
       const before = await this.#pictureAt(next.time - HAIR);
       const isNext = before.time <= time + HAIR;
@@ -396,7 +395,7 @@ export class Video {
     });
   }
 
-  // Takes the picture that the browser shows while it plays.
+  // Queues the picture that the browser shows during playback, or goes back if one was skipped.
   #played(found) {
     const passed = found.time - this.#ahead.time;
     if (passed > HAIR && passed <= GAP * (this.#known.step ?? 0)) {
@@ -413,7 +412,7 @@ export class Video {
     }
   }
 
-  // Goes back for the picture after the last one, because the browser shows the one at `time`.
+  // Seeks back to the picture after the last queued one, because the browser has already reached `time`.
   #goBack(time) {
     this.#video.pause();
     this.#alone(async () => {
@@ -430,7 +429,7 @@ export class Video {
     });
   }
 
-  // There is no frame of this number. Another one may have been asked for meanwhile.
+  // Handles that frame `number` does not exist. Another frame may have been requested meanwhile.
   #end(number) {
     this.#isEnding = true;
     if (number === this.#known.counted + 1) {
@@ -441,7 +440,7 @@ export class Video {
     }
   }
 
-  // ---- to who asked
+  // ---- delivery
 
   #add({ picture, time }, number) {
     if (this.#known.times[number - 1] !== undefined) {
@@ -458,7 +457,7 @@ export class Video {
     this.#send();
   }
 
-  // Pictures that wait before the requested one came by playing, before a seek went past them.
+  // Delivers the requested picture. Queued pictures before it are obsolete: a seek has gone past them.
   #send() {
     while (this.#asked !== null && this.#queue.length > 0) {
       const { number, picture, time } = this.#queue.shift();

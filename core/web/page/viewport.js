@@ -1,4 +1,4 @@
-// The part of the frame that is seen: enlarged and moved by wheel, fingers, keys and the middle button.
+// The visible part of the frame: zoomed and moved by wheel, fingers, keys and the middle mouse button.
 
 const STEP = Math.SQRT2; // of a key or a button
 const WHEEL_STEP = 300; // pixels of a wheel that enlarge e times
@@ -15,7 +15,7 @@ export class Viewport {
   #page;
   #pointers = new Map(); // places of fingers, and of a mouse with its middle button, by their number
 
-  /** `page`: { size() of the frame or null, changed(), pinched() two fingers are on the canvas }. */
+  /** `page` has callbacks: { size() of the frame or null, changed(), pinched() when two fingers touch the canvas }. */
   constructor(canvas, page) {
     [this.#canvas, this.#page] = [canvas, page];
     canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
@@ -30,7 +30,7 @@ export class Viewport {
     return this.#zoom;
   }
 
-  /** { x, y, width, height } in pixels of the frame. */
+  /** The visible part { x, y, width, height } in pixels of the frame. */
   get seen() {
     const { width, height } = this.#page.size();
     return { x: this.#x, y: this.#y, width: width / this.#zoom, height: height / this.#zoom };
@@ -49,7 +49,7 @@ export class Viewport {
     this.#page.changed();
   }
 
-  /** Moves so that the middle of a box is seen. */
+  /** Moves the view so that the centre of a box is visible. */
   show({ x, y, width, height }) {
     const [across, down, { x: left, y: top, width: wide, height: high }] = [x + width / 2, y + height / 2, this.seen];
     if (across < left || across > left + wide || down < top || down > top + high) {
@@ -57,14 +57,14 @@ export class Viewport {
     }
   }
 
-  /** Does what a key stands for; false if it stands for nothing. */
+  /** Zooms by the keys `+`, `-` and `0` (whole frame). Returns false for any other key. */
   key({ key }) {
     const act = { "+": () => this.larger(), "-": () => this.smaller(), 0: () => this.whole() }[key];
     act?.();
     return act !== undefined;
   }
 
-  // Enlarges so that the point of the frame `at` stays where it is on the page.
+  // Zooms by a factor, around the point `at` of the frame, which stays in place on the page.
   #enlarge(by, at = this.#middle()) {
     if (this.#page.size() === null) {
       return;
@@ -87,7 +87,7 @@ export class Viewport {
     this.#page.changed();
   }
 
-  // A wheel that turns down over the whole frame scrolls the page.
+  // Zooms by the wheel, or moves with shift. If the whole frame is visible, turning down scrolls the page instead.
   #wheel(event) {
     const { deltaX, deltaY, ctrlKey, shiftKey } = event;
     if (this.#page.size() === null || (this.#zoom === 1 && deltaY >= 0 && !ctrlKey)) {
@@ -133,7 +133,7 @@ export class Viewport {
     }
   }
 
-  // Pixels of the frame for one of the page.
+  // Returns the pixels of the frame per CSS pixel.
   #unit() {
     return this.seen.width / this.#canvas.getBoundingClientRect().width;
   }
@@ -144,7 +144,7 @@ export class Viewport {
   }
 }
 
-// The middle of one or two pointers, and how far they are apart.
+// Returns the centre of one or two pointers, and their distance.
 function between(pointers) {
   const [one, other] = [pointers[0], pointers.at(-1)];
   return {

@@ -1,4 +1,4 @@
-// The pictures of frames: loads those that are wanted, a few at a time, and keeps the last ones.
+// A loader and cache of the pictures of frames: loads requested ones, a few at a time, and keeps the last ones.
 
 const MOST_UNDER_WAY = 2;
 const MOST_BYTES = 96 << 20;
@@ -12,23 +12,21 @@ export class Pictures {
   #wanted = [];
   #underWay = new Set();
 
-  /** `load(number)` gives a bitmap or an image; `came(number)` and `failed(number, error)` are told. */
+  /** `load(number)` fetches a bitmap or an image; then `came(number)` or `failed(number, error)` is called. */
   constructor(load, came, failed) {
     [this.#load, this.#came, this.#failed] = [load, came, failed];
   }
 
-  /** Loads these frames, in this order, and none of those that were wanted before. */
+  /** Loads these frames in this order, and cancels earlier requests that have not started. */
   want(numbers) {
     this.#wanted = numbers;
     this.#next();
   }
 
-  /** The picture of a frame, if it is here. */
   get(number) {
     return this.#kept.get(number);
   }
 
-  /** Loads no more, and frees the pictures. */
   end() {
     this.#wanted = null;
     this.#kept.forEach((picture) => picture.close?.());

@@ -1,4 +1,4 @@
-// The window of `host-sim view`.
+// Entry of the page of `host-sim view`.
 
 import { run } from "./application.js";
 import { Connection } from "./connection.js";

@@ -1,5 +1,5 @@
-// The worker of the browser's page: keeps a tracker for each target and answers requests, so that the page never waits for a tracker. follower.js is
-// the other side.
+// The tracking worker of the stand-alone page: has a tracker for each target, and answers the requests of follower.js,
+// so that the page never waits for a tracker.
 
 import { Recorder } from "../record.js";
 import { hasSimd, load } from "../smr.js";
@@ -11,7 +11,7 @@ import { unpacked } from "./unpacked.js";
 const RECORD_BYTES = 6 << 20; // of each target's flight record
 const MOST_BYTES = 96 << 20; // of frames that are kept
 
-/** The frames that came last, by number. */
+/** A cache of the last frames by number, limited in bytes. */
 class Frames {
   #kept = new Map();
   #bytes = 0;
@@ -54,32 +54,31 @@ const WISHES = {
     return { version: library.version };
   },
 
-  /** Ends all targets. Later ones are followed by `using`: { method, options }. */
+  /** Removes all targets. Later ones are tracked by `using`: { method, options }. */
   restart({ using }) {
     [...targets.keys()].forEach(remove);
     method = using;
   },
 
-  /** Forgets the camera's frames. */
   clear() {
     seen = new Frames();
   },
 
-  /** Keeps the gray pixels of a camera's picture, a VideoFrame or an ImageBitmap, which is sent back. */
+  /** Stores the gray pixels of a camera's picture (VideoFrame or ImageBitmap), and sends the picture back. */
   async keep({ number, picture }) {
     const { data, ...size } = await grayOf(picture);
     seen.set(number, { data: data.slice(), ...size });
     return { picture };
   },
 
-  /** The picture of a frame of the built-in recording. */
   async draw({ number }) {
     const { data, width, height } = built(number);
     return { picture: await createImageBitmap(new ImageData(data, width, height)) };
   },
 
   /**
-   * Locks or updates targets in a frame: `picture`, one of the built-in recording, or one that was kept. `jobs`: { id, box } each, without `box` for an update. Returns by id { quality }, { answer } or { error }.
+   * Locks or updates targets in a frame: `picture`, else one of the built-in recording, else a stored one. `jobs` are
+   * { id, box }, without `box` for an update. Returns pairs of id and { quality }, { answer } or { error }.
    */
   async follow({ number, picture, isBuiltIn, jobs }) {
     const frame = picture ? await grayOf(picture) : isBuiltIn ? built(number) : seen.get(number);
@@ -94,7 +93,7 @@ const WISHES = {
     remove(id);
   },
 
-  /** The flight record of a target; null if it has none. */
+  /** Returns the flight record of a target (its last frames and answers); null if it has none. */
   record({ id }) {
     return { bytes: targets.get(id)?.recorder.bytes() ?? null };
   },
@@ -131,7 +130,7 @@ function remove(id) {
   targets.delete(id);
 }
 
-// Handles requests one after the other and answers each with its number.
+// Handles requests one after the other; each answer carries its request's ticket.
 let turn = Promise.resolve();
 self.onmessage = ({ data: { wish, ticket, ...of } }) => {
   turn = turn.then(() => granted(wish, ticket, of));

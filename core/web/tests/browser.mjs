@@ -6,16 +6,15 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 
 const PROGRAM = process.env.CHROMIUM ?? "chromium";
-// Other steps of `.ci/run` may keep the processors busy.
+// Longest wait, which is long because other steps of `.ci/run` may keep the processors busy.
 const MOST_SECONDS = 120;
 
-/** True if there is a Chromium. */
 export function hasBrowser() {
   return spawnSync(PROGRAM, ["--version"]).status === 0;
 }
 
 export class Browser {
-  /** Files that pages save. */
+  /** Folder of the files that pages save. */
   downloads = mkdtempSync(join(tmpdir(), "smr-downloads-"));
   #profile = mkdtempSync(join(tmpdir(), "smr-browser-"));
   #process;
@@ -41,7 +40,7 @@ export class Browser {
     return new Promise((resolve, reject) => this.#waiting.set(id, { resolve, reject, method }));
   }
 
-  /** A page of `width` times `height`, light or dark. */
+  /** Opens a page of `width` by `height` pixels; `scheme` is light or dark. */
   async page(address, { width = 1280, height = 900, scheme = "light", prepare = "" } = {}) {
     const { targetId } = await this.call("Target.createTarget", { url: "about:blank" });
     const { sessionId } = await this.call("Target.attachToTarget", { targetId, flatten: true });
@@ -62,7 +61,6 @@ export class Browser {
     return page;
   }
 
-  /** The number of the process. */
   get process() {
     return this.#process.pid;
   }
@@ -85,7 +83,7 @@ export class Browser {
   }
 }
 
-/** A page that is open. `errors` has what it wrote to the console as errors, `requests` the addresses that it asked the network for. */
+/** An open page. `errors` are the errors that it wrote to the console, `requests` the URLs that it requested. */
 export class Page {
   errors = [];
   requests = [];
@@ -102,7 +100,6 @@ export class Page {
     return this.#browser.call(method, params, this.#session);
   }
 
-  /** The next event of that name. */
   next(method) {
     return new Promise((resolve) => this.#wanted.set(method, resolve));
   }
@@ -120,7 +117,7 @@ export class Page {
     }
   }
 
-  /** The value of an expression; of a promise what it becomes. */
+  /** Evaluates an expression in the page, and awaits it if it is a promise. */
   async value(expression) {
     const { result, exceptionDetails } = await this.call("Runtime.evaluate", { expression, returnByValue: true, awaitPromise: true, userGesture: true });
     if (exceptionDetails !== undefined) {
@@ -137,7 +134,6 @@ export class Page {
     return this.value(`document.querySelector(${JSON.stringify(selector)}).click()`);
   }
 
-  /** Chooses an option, as a user does. */
   select(id, value) {
     return this.value(`{ const one = document.getElementById("${id}"); one.value = ${JSON.stringify(value)}; one.dispatchEvent(new Event("change", { bubbles: true })); }`);
   }
@@ -166,7 +162,6 @@ export class Page {
     return this.call("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value }] });
   }
 
-  /** The whole page as a PNG. */
   async picture(whole = true) {
     const { data } = await this.call("Page.captureScreenshot", { format: "png", captureBeyondViewport: whole });
     return Buffer.from(data, "base64");
@@ -178,7 +173,6 @@ export class Page {
     await this.call("Input.dispatchKeyEvent", { type: "keyUp", ...of });
   }
 
-  /** Drags with the mouse from one place of the window to another. */
   async drag([fromX, fromY], [toX, toY]) {
     const mouse = (type, x, y, buttons) => this.call("Input.dispatchMouseEvent", { type, x, y, button: "left", buttons, clickCount: 1 });
     await mouse("mousePressed", fromX, fromY, 1);
@@ -188,7 +182,6 @@ export class Page {
     await mouse("mouseReleased", toX, toY, 0);
   }
 
-  /** The same with a finger. */
   async swipe([fromX, fromY], [toX, toY]) {
     const touch = (type, ...points) => this.call("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y]) => ({ x, y })) });
     await touch("touchStart", [fromX, fromY]);

@@ -1,5 +1,4 @@
-// The package in an app, as each bundler builds it: in Chromium it loads the library and follows a target.
-//
+// Tests the package in an app built by each bundler: in Chromium, it loads the library and tracks a target.
 // SMR_BUNDLERS names a folder where `.ci/web` has installed the bundlers.
 
 import assert from "node:assert/strict";
@@ -52,17 +51,16 @@ after(async () => {
   rmSync(app, { recursive: true });
 });
 
-/** The module of a bundler. */
 const bundler = (name) => import(pathToFileURL(createRequire(join(process.env.SMR_BUNDLERS, "package.json")).resolve(name)));
 
-/** Checks the app's answer at an address. */
+/** Opens the app at an address and checks its answer. */
 async function answers(address) {
   const page = await browser.page(address);
   assert.equal(await page.until("document.title"), expected);
   await page.close();
 }
 
-/** Checks the answer of the app in a folder, beside a page. */
+/** Serves the app in a folder over HTTP and checks its answer. */
 async function built(folder) {
   const server = createHttp((request, response) => {
     try {
@@ -76,7 +74,7 @@ async function built(folder) {
   await answers(`http://127.0.0.1:${server.address().port}/`).finally(() => server.close());
 }
 
-/** Checks the app of a bundler that leaves addresses as they are: the README says what to copy. */
+/** Checks an app whose bundler does not copy the WebAssembly: it is copied as the README describes. */
 async function besideModules(folder, page = PAGE) {
   writeFileSync(join(folder, "index.html"), page);
   ["smr.wasm", "smr-simd.wasm"].forEach((name) => copyFileSync(join(PACKAGE, name), join(folder, name)));

@@ -1,4 +1,5 @@
-// Calls with wrong arguments throw an error that says what is wrong, and change nothing. And several flight recorders on one tracker.
+// Calls with invalid arguments throw an error with the reason and change nothing. One tracker can have several flight
+// recorders.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -19,7 +20,7 @@ function locked(method = "paper", options = {}) {
   return tracker;
 }
 
-/** A frame whose bytes have gone to another thread. */
+/** Returns a frame whose buffer was transferred to another thread. */
 function detached() {
   const bytes = data.slice();
   structuredClone(bytes.buffer, { transfer: [bytes.buffer] });
@@ -37,7 +38,7 @@ const FRAMES = [
   { data: data.subarray(1), width, height }, { data: new Uint8Array(0), width, height }, { data, width: 65535, height: 65535 },
   { data, width, height, format: "bgr" }, { data, width, height, format: "rgba" }, { data, width, height, format: Symbol("x") },
   { data: new Uint8ClampedArray(width * height), width, height },
-  // Colors as gray, 16 bits as 8, gray as colors, floats as colors; by their number or by the stride.
+  // Pixels of a wrong format, detected by their count or the stride: colors as gray, 16 bits as 8, gray as colors.
   ...[2, 3, 4].flatMap((bytes) => [undefined, "gray"].map((format) => ({ data: new Uint8Array(bytes * width * height), width, height, format }))),
   { data: new Uint8Array(4 * width * height), width, height, stride: 4 * width }, { data: new Uint8Array(4 * width * height), width, height, stride: width },
   ...[1, 2, 3, 8, 12, 16].map((bytes) => ({ data: new Uint8ClampedArray(bytes * width * height), width, height })),
@@ -56,7 +57,6 @@ const OPTIONS = [
 ];
 const ROBUST_OPTIONS = [{ window: [16, 16] }, { reach: 3 }, { reach: 9 }, { lostBelow: 40_000 }, { size: 2 }, { learningRate: 257 }, { earlyRate: 1025 }, { preset: "camera" }];
 
-/** Saved targets that are none. */
 function* damaged(saved, numbers) {
   yield* [undefined, null, 5, "saved", {}, [...saved], saved.buffer, new Uint8Array(0), new Uint8ClampedArray(saved)];
   for (;;) {
@@ -68,7 +68,7 @@ function* damaged(saved, numbers) {
   }
 }
 
-/** Fails unless `call` throws an error that the module has made. */
+/** Fails unless `call` throws one of the library's own errors, with its own message. */
 function refused(call, what) {
   let error;
   assert.throws(call, (thrown) => ((error = thrown), true), `${what} is accepted`);
@@ -112,7 +112,6 @@ test("1000 wrong calls of each tracker are refused and change nothing", (context
     while (count < 1000) {
       for (const [name, call] of Object.entries(calls)) {
         const value = wrong[name]();
-        // A robust tracker takes a box of any size.
         refused(() => call(value), `${method}, ${name}: ${shown(value)}`);
         count += 1;
       }

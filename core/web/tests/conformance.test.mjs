@@ -1,5 +1,5 @@
-// Both modules give the answers of the records in tests/vectors, and record the same bytes. After every frame a second tracker, which is restored
-// from the saved bytes of the first, gives them too.
+// Both WebAssembly modules (plain and SIMD) reproduce the answers and bytes of the flight records in tests/vectors.
+// After every frame, a second tracker, restored from the saved bytes of the first, must give the same answer.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -9,7 +9,7 @@ import { Recorder } from "../record.js";
 import { State } from "../smr.js";
 import { PROJECT, libraries } from "./library.mjs";
 
-// Options in the order of the record, and how many numbers each has.
+// Options in the order of the record, each with its count of values.
 const OPTIONS = {
   P: {
     k: 2, gateTracking: 2, gateLeaving: 2, gateReturning: 2, gateLost: 2, gateLead: 1, leastRatio: 1, firstThreshold: 1, leastThreshold: 1, padding: 1,
@@ -20,7 +20,7 @@ const OPTIONS = {
 const FILES = { "paper.smr": 61, "robust.smr": 85, "refined.smr": 15 };
 const TABLE = 512;
 
-/** The entries of a record: { tag, content }. */
+/** Yields the entries { tag, content } of a flight record. */
 function* entries(record) {
   for (let at = 0; at < record.length; ) {
     const length = record.readUInt32LE(at + 8);
@@ -46,7 +46,7 @@ const rect = (content, at) => ({
   x: content.readUInt16LE(at), y: content.readUInt16LE(at + 2), width: content.readUInt16LE(at + 4), height: content.readUInt16LE(at + 6),
 });
 
-/** The whole frame; what the record lacks is black. */
+/** Builds a whole frame, black where the record lacks pixels. */
 function frame(content, places) {
   const [width, height] = [content.readUInt16LE(0), content.readUInt16LE(2)];
   const data = new Uint8Array(width * height);
@@ -73,7 +73,6 @@ function answer(content) {
   };
 }
 
-/** Follows all targets of a record. Returns the number of answers. */
 function follow(smr, file) {
   const record = readFileSync(join(PROJECT, "tests/vectors", file));
   let [first, second, recorder, answers, recorded] = [null, null, null, 0, []];

@@ -1,4 +1,5 @@
-// JavaScript answers as host-sim does on the same pixels, in gray and in colors, and host-sim replays what JavaScript has recorded.
+// JavaScript's answers equal host-sim's on the same pixels, in gray and in color, and host-sim replays the flight
+// records of JavaScript.
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
@@ -17,7 +18,7 @@ const { simd: smr } = await libraries();
 
 const OPTIONS = { paper: ["--method", "smr", "--config", "camera"], robust: ["--method", "robust"] };
 const recording = [...frames({ count: 24, side: 20 })];
-// The target is hidden for some frames, and comes back: it is lost, looked for and found again.
+// The target is hidden in frames 9 to 16, so that the tracker loses it, searches for it and finds it again.
 const hidden = { ...recording[23], data: recording[23].data.map(() => 90) };
 const shown = recording.map((frame, at) => (at >= 8 && at < 16 ? hidden : frame));
 
@@ -27,7 +28,6 @@ function run(...values) {
   return stdout;
 }
 
-/** The frames as pictures in a new folder. */
 function pictures(name, frames) {
   const place = mkdtempSync(join(folder, name));
   frames.forEach(({ data, width, height }, at) => {
@@ -41,7 +41,10 @@ function pictures(name, frames) {
 
 const millionths = (value, unit) => Math.round((1e6 * value) / unit) / 1e6;
 
-/** An answer as host-sim prints it. It prints no box of a lost target, and as it has room for larger boxes, the paper's search takes other work. */
+/**
+ * Converts an answer to host-sim's JSON, which has no box of a lost target. The work of the paper's tracker is left
+ * out, because it depends on the tracker's capacity, which is larger in host-sim.
+ */
 function printed({ box, fineBox, state, confidence, ratio, alpha, scale, foundAgain, work }, method) {
   const fine = Object.fromEntries(Object.entries(fineBox).map(([side, value]) => [side, value / 256]));
   const boxes = state === "lost" ? { box: null, fine: null } : { box, fine };
@@ -70,7 +73,7 @@ for (const method of ["paper", "robust"]) {
   }
 }
 
-/** Replays a record. All answers must be as recorded. Returns their number. */
+/** Lets host-sim replay a flight record; all answers must be as recorded. Returns their count. */
 function replayed(bytes, name) {
   const file = join(folder, `${name}.smr`);
   writeFileSync(file, bytes);
@@ -115,7 +118,7 @@ for (const method of ["paper", "robust"]) {
 }
 
 test("robust: host-sim replays records with the refiner and without, and their boxes differ", { skip }, () => {
-  // In colors the refiner corrects almost every box.
+  // In color frames, the refiner changes almost every box.
   const [first, ...others] = shown.map(colored);
   const boxes = [true, false].map((refiner) => {
     const tracker = smr.robust({ refiner });

@@ -1,5 +1,5 @@
-// SIMD128 gives the integers of the plain loops, for boxes of every size from 1 to 80 and thresholds of every number of segments. With the
-// module of `.ci/web all` every kernel is also compared with its plain loop.
+// SIMD128 gives the same integers as the plain loops, for boxes 1 to 80 pixels wide and thresholds from 0 to 255. In
+// the module built by `.ci/web all`, every kernel also compares itself with its plain loop.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -10,7 +10,6 @@ const SIDES = Array.from({ length: 80 }, (_, number) => number + 1);
 const PIXELS = 4096;
 const FRAMES = 4;
 
-/** Moves all pixels of a frame by random numbers. */
 function noisy(frame, numbers, most) {
   return { ...frame, data: frame.data.map((level) => Math.min(255, Math.max(0, level + numbers.below(2 * most + 1) - most))) };
 }
@@ -29,7 +28,7 @@ function* cases() {
   }
 }
 
-/** All answers, and the target that is left. */
+/** Tracks all frames. Returns the answers and the saved target after the last one. */
 function follow(smr, method, { options, frames: [first, ...others] }, more = {}) {
   const tracker = smr[method]({ ...options[method], ...more });
   tracker.lock(first, first.box);

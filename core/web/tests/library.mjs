@@ -1,4 +1,4 @@
-// The paths of the files that `.ci/web` has built, and the recordings that they follow.
+// Paths of the files built by `.ci/web`, and frames for the tests.
 
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -7,18 +7,16 @@ import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { load } from "../smr.js";
 
-/** The folder of the project, and that of the package. */
 export const PROJECT = fileURLToPath(new URL("../../../", import.meta.url));
 export const PACKAGE = process.env.SMR_WEB ?? join(PROJECT, "target/web");
 export const HOST_SIM = process.env.SMR_HOST_SIM;
 
-/** The library from each module, by name. */
 export async function libraries() {
   const library = (name) => load(readFileSync(join(PACKAGE, name)));
   return { plain: await library("smr.wasm"), simd: await library("smr-simd.wasm") };
 }
 
-/** The gray pixels of all frames of a recording, as host-sim gives them. */
+/** Returns the gray pixels of all frames of a recording, converted by host-sim. */
 export function converted(recording) {
   const folder = mkdtempSync(join(tmpdir(), "smr-frames-"));
   try {
@@ -36,14 +34,13 @@ export function converted(recording) {
 export const SYNTHETIC = { width: 160, height: 120, length: 240 };
 let synthetic = null;
 
-/** The gray pixels of frame `index` of the recording `synthetic`, counted from 0. */
 export function syntheticFrame(index) {
   synthetic ??= converted("synthetic");
   const size = SYNTHETIC.width * SYNTHETIC.height;
   return synthetic.subarray(index * size, (index + 1) * size);
 }
 
-/** Numbers that look random and are the same in every run: xorshift, 32 bits. */
+/** Returns a seeded generator of random numbers: xorshift, 32 bits. */
 export function random(seed) {
   let state = seed >>> 0 || 1;
   const next = () => {
@@ -61,14 +58,14 @@ export function random(seed) {
   };
 }
 
-/** A picture of blocks of 4x4 pixels, each of a random gray: the robust tracker looks at means. */
+/** Returns a picture of 4x4 blocks, each of a random gray, because the robust tracker compares means of pixels. */
 function blocks(width, height, { bytes }) {
   const across = Math.ceil(width / 4);
   const grays = bytes(across * Math.ceil(height / 4));
   return Uint8Array.from({ length: width * height }, (_, at) => grays[Math.floor(at / width / 4) * across + ((at % width) >> 2)]);
 }
 
-/** Frames of a textured box that moves over a textured background, right and down by `speed` pixels: { data, width, height, box }. */
+/** Yields frames { data, width, height, box } of a textured box that moves by `speed` pixels [right, down]. */
 export function* frames({ width = 160, height = 120, side = 24, down = side, speed = [2, 1], count = 20, seed = 7 } = {}) {
   const numbers = random(seed);
   const background = blocks(width, height, numbers).map((level) => 64 + level / 4);
@@ -83,7 +80,7 @@ export function* frames({ width = 160, height = 120, side = 24, down = side, spe
   }
 }
 
-/** The same frame in colors, of which host-sim's gray is another: each pixel's red, green and blue differ. */
+/** Returns the frame with made-up colors: each pixel's red, green and blue differ, so its gray changes. */
 export function colored({ data, width, height, box }) {
   const channel = (level, at) => [level, 255 - level, (level * 7 + at) & 255, at & 255];
   return { data: Uint8ClampedArray.from({ length: 4 * data.length }, (_, at) => channel(data[at >> 2], at >> 2)[at & 3]), width, height, box };

@@ -1,4 +1,4 @@
-// The memory of the library is bounded: it does not grow with the number of updates, nor with trackers that were freed.
+// The library's memory is bounded: it grows neither with updates nor with trackers that were freed.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -59,7 +59,7 @@ test("the memory of trackers that nobody has comes back", async () => {
   };
   const before = await forget();
   await forget();
-  // The last one may still be on the stack.
+  // The stack may still reference the last tracker.
   assert.ok((await forget()) - before <= 3 * 65_536);
 });
 
@@ -82,7 +82,7 @@ test("a call that is refused takes no memory", async () => {
   ]];
   calls.forEach((call) => assert.throws(call, SmrError));
   assert.equal(simd.memory, before);
-  // Bytes that begin like a saved target take at most as much as the largest one.
+  // Bytes that begin like a saved target take at most as much memory as the largest one.
   robust.lock(frame, frame.box);
   const head = robust.save().subarray(0, 14);
   for (const bytes of [starts(head), starts([...head.subarray(0, 13), 1])]) {

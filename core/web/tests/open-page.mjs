@@ -1,7 +1,7 @@
-// The page in a real headless Chromium, for the tests of it: opens it, does what a user does, and compares with host-sim.
+// Helpers for tests of the stand-alone page in a headless Chromium: open it, act as a user, compare with host-sim.
 //
-// Needs what `.ci/web build` has built, a program `chromium` (or CHROMIUM), and host-sim (SMR_HOST_SIM); names what it skips. Pictures of the page go
-// to target/web.
+// Requires the output of `.ci/web build`, a program `chromium` (or CHROMIUM), and host-sim (SMR_HOST_SIM); else tests
+// are skipped by name. Screenshots are written to target/web.
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
@@ -15,7 +15,7 @@ import { HOST_SIM, PACKAGE, PROJECT, SYNTHETIC, syntheticFrame } from "./library
 
 export const FRAMES = 100;
 export const PRESSED = `document.getElementById("play").ariaLabel === "Play"`;
-// Frames come, or the page says why not.
+// True once the page shows a frame or an error message.
 export const STARTED = `document.getElementById("place").value !== "" || !document.getElementById("said").hidden`;
 export const NUMBER = `Number(document.getElementById("place").value.split(" ")[1])`;
 const LAST = `/^frame (\\d+)( of \\1)?\\b/.test(document.getElementById("place").value)`;
@@ -50,7 +50,7 @@ after(async () => {
   }
 });
 
-// The recording `synthetic` as a camera gives it, in the range of video.
+// Returns the recording `synthetic` as Y4M for Chromium's fake camera, in the range of video (16 to 235).
 function y4m() {
   const { width, height, length } = SYNTHETIC;
   const colors = Buffer.alloc((width * height) / 2, 128);
@@ -58,7 +58,7 @@ function y4m() {
   return Buffer.concat([Buffer.from(`YUV4MPEG2 W${width} H${height} F30:1 Ip C420jpeg\n`), ...frames.flat()]);
 }
 
-// A test on a page of its own, which may neither write errors nor ask the network for anything.
+// Runs a test on a new page, which must write no errors to the console and send no network requests.
 export function onPage(name, run, options) {
   test(name, { skip: why ?? false }, async (context) => {
     const page = await browser.page(address, options);
@@ -72,14 +72,14 @@ export function onPage(name, run, options) {
   });
 }
 
-// A browser does not draw what is out of view: so the whole page is in view.
+// Takes a screenshot of the whole page, after enlarging the window, because a browser does not draw hidden parts.
 export async function shoot(page, name, width) {
   await page.size(width, await page.value(`document.documentElement.scrollHeight`));
   await new Promise((resolve) => setTimeout(resolve, 400));
   writeFileSync(join(PACKAGE, `page-${name}.png`), await page.picture());
 }
 
-/** Saves a file by the menu; returns its path. Its name is that of the source, and what is not followed to its end says so. */
+/** Saves a file by the page's menu and returns its path. */
 export async function downloaded(page, label, ending) {
   const before = readdirSync(browser.downloads);
   before.forEach((name) => rmSync(join(browser.downloads, name)));
@@ -95,19 +95,19 @@ export async function downloaded(page, label, ending) {
 }
 
 const read = async (page, label, ending) => lines(readFileSync(await downloaded(page, label, ending), "utf8"));
-/** The answers, an object for each target and frame. */
+/** Saves the answers as JSON and returns them: an object for each target and frame. */
 export const answers = async (page) => (await read(page, "JSON", ".jsonl")).map((line) => JSON.parse(line));
 export const boxes = (page) => read(page, "CSV", ".csv");
 
-/** Waits until all targets are followed to the last frame, which is shown then. */
+/** Goes to the last frame and waits until all targets are tracked up to it. */
 export async function followed(page) {
   await page.key("End");
-  // Numbers change no quicker than they can be read.
+  // The page updates its text less often than the frame.
   await new Promise((resolve) => setTimeout(resolve, 300));
   await page.until(`${LAST} && [...document.querySelectorAll(".now")].every(({ textContent }) => textContent !== "–") && ${IDLE}`);
 }
 
-// The work of SMR depends on the capacity of the tracker, which host-sim has more of. All else is the same.
+// Removes the column `work` of SMR, which depends on the tracker's capacity, which is larger in host-sim.
 export const columns = (method) => (line) => (method === "smr" ? line.slice(0, line.lastIndexOf(",")) : line);
 
 export function same(found, expected, method) {
@@ -117,7 +117,7 @@ export function same(found, expected, method) {
   });
 }
 
-/** host-sim computes what is in the flight record again, and agrees in so many answers. */
+/** Lets host-sim replay the page's flight record and checks that at least `least` answers agree. */
 export async function replays(page, least) {
   const { status, stdout, stderr } = host("replay", await downloaded(page, "Flight record", ".smr"), "--json");
   assert.equal(status, 0, stdout + stderr);
@@ -132,7 +132,7 @@ export async function pausedAt(page, number) {
   await settled(page);
 }
 
-// Frames that are under way still come.
+// Waits until the shown frame no longer changes, because requested frames may still be loading.
 export async function settled(page) {
   for (let before = -1, now = 0; before !== now; ) {
     [before, now] = [now, await page.value(NUMBER)];
@@ -140,7 +140,7 @@ export async function settled(page) {
   }
 }
 
-/** Where a pixel of the frame is in the window. */
+/** Converts a pixel of the frame to a position in the window. */
 export async function place(page, x, y) {
   return page.value(`(() => {
     const stage = document.getElementById("stage");

@@ -1,4 +1,4 @@
-// The package as it is installed: it loads its module by itself, from wherever it is given, and its types name what there is.
+// The installed package: it loads its WebAssembly from all kinds of sources, and its type declarations are complete.
 
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
@@ -68,7 +68,6 @@ test("the package has the files that package.json names, and the version of the 
   assert.ok(files.includes("smr*.wasm") && there.filter((name) => name.startsWith("LICENSE-")).length === 2);
 });
 
-/** The names of the members of a class in the types. */
 function declared(types, name) {
   const [, body] = new RegExp(`export declare class ${name}\\b[^{]*{\\n(.*?)\\n}`, "s").exec(types);
   return [...body.matchAll(/^ {2}(?:readonly )?(\w+)\??(?:\(|:)/gm)].map(([, member]) => member).filter((member) => member !== "constructor");

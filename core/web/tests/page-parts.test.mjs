@@ -1,4 +1,5 @@
-// The parts of the page that need no browser: the built-in recording, the ring of answers, files and command lines, how it becomes one file.
+// Parts of the stand-alone page that need no browser: the built-in recording, stored answers, files, command lines, and
+// the bundler.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -12,7 +13,7 @@ import { initsOf, optionsOf, quoted, typed } from "../page/command.js";
 import { scene } from "../page/scene.js";
 import { HOST_SIM, PACKAGE, converted } from "./library.mjs";
 
-// The parts of a browser that modules ask for when they are loaded.
+// Stubs of browser objects that modules use while they are loaded.
 globalThis.ResizeObserver = class {};
 globalThis.matchMedia = () => ({ addEventListener() {} });
 const { BuiltIn } = await import("../page/built-in.js");
@@ -41,7 +42,7 @@ test("the module draws the built-in recording as host-sim does", { skip: HOST_SI
   }
 });
 
-/** The frames that are due, one after the other, where only locks are refused whose box is `bad`. */
+/** Returns the frames that a target requires, in order, if locks on the box `bad` are refused. */
 function dues(target, last, bad) {
   const seen = [];
   for (let { next } = target; next <= last; { next } = target) {

@@ -1,4 +1,4 @@
-// Measures the speed of the page, and its memory over time: a camera of 640x480 at 60 frames a second, two targets.
+// Measures the stand-alone page's processor time and memory: a camera of 640x480 at 60 frames a second, two targets.
 //
 //   SMR_HOST_SIM=... node core/web/tests/page-speed.mjs [FRAMES]          default: 3000
 
@@ -19,7 +19,7 @@ function writeCamera(file) {
   const out = openSync(file, "w");
   writeSync(out, `YUV4MPEG2 W${width} H${height} F60:1 Ip C420jpeg\n`);
   const colors = Buffer.alloc((width * height) / 2, 128);
-  // There and back, so that it goes on without a jump.
+  // Plays forward and backward, so that the video repeats without a jump.
   const order = [...Array(LENGTH).keys()];
   for (const index of [...order, ...order.reverse()]) {
     const gray = syntheticFrame(index);
@@ -35,7 +35,7 @@ function writeCamera(file) {
   closeSync(out);
 }
 
-// A process and all below it. Processes may end meanwhile.
+// Returns a process and all its descendants, of which some may end meanwhile.
 function family(parent) {
   const parentOf = (pid) => Number(tried(() => fields(`/proc/${pid}/stat`)[1]));
   const all = readdirSync("/proc").filter((name) => /^\d+$/.test(name)).map(Number);
@@ -50,17 +50,17 @@ const tried = (read) => {
     return undefined;
   }
 };
-// The fields of a process or a thread, after its name.
+// Returns the fields of a `stat` file in /proc, after the name of the process.
 const fields = (file) => readFileSync(file, "utf8").split(") ").at(-1).split(" ");
 const isRenderer = (pid) => tried(() => readFileSync(`/proc/${pid}/cmdline`, "utf8").includes("--type=renderer")) ?? false;
 
-/** Megabytes of the processes that run pages. */
+/** Returns the megabytes of all processes that run pages. */
 function memory(parent) {
   const kilobytes = family(parent).filter(isRenderer).map((pid) => Number(readFileSync(`/proc/${pid}/status`, "utf8").match(/VmRSS:\s+(\d+)/)?.[1] ?? 0));
   return Math.round(kilobytes.reduce((sum, one) => sum + one, 0) / 1024);
 }
 
-/** Milliseconds of the processor so far: { page, worker, all } of the page's thread, the worker's, and all of the browser's. */
+/** Returns the processor time in ms so far: { page, worker, all }, of the two threads and of the whole browser. */
 function processor(parent) {
   const sum = { page: 0, worker: 0, all: 0 };
   for (const pid of family(parent)) {

@@ -1,4 +1,4 @@
-// Video files and the slider in a real headless Chromium: no frame is lost, and any frame can be looked at and corrected.
+// Video files and the slider in a headless Chromium: no frame is lost, and any frame can be shown and corrected.
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
@@ -11,7 +11,8 @@ const BOX = "36,24,24,28";
 const DELAY = 80; // of a slow worker, in milliseconds
 const SIDE = 8; // of the squares that say the number of a frame, in pixels
 
-// The recording `synthetic` as a video. Each frame says its number in squares at the bottom, the lowest bit first.
+// Encodes the recording `synthetic` as a video. Squares at the bottom of each frame show its number in binary, the
+// lowest bit first.
 function film(name, length, rate, ...options) {
   const file = join(folder, name);
   const input = ["-f", "rawvideo", "-pix_fmt", "gray", "-s", "160x120", "-r", String(rate), "-i", "-"];
@@ -30,7 +31,7 @@ function numbered(number) {
   return frame;
 }
 
-/** The number that the picture says. */
+/** Script that decodes the frame number from the squares in the picture. */
 const CODE = `(() => {
   const stage = document.getElementById("stage");
   const scale = stage.width / ${SYNTHETIC.width};
@@ -38,7 +39,8 @@ const CODE = `(() => {
   return Array.from({ length: 8 }, (_, bit) => bright(bit) << bit).reduce((sum, one) => sum + one);
 })()`;
 
-// `length` is the number of frames that the page must say before it has seen them all. If the frames come at uneven times, it can only guess.
+// Opens a video. `length` is the count of frames that the page must show at first; with uneven times it can only
+// estimate.
 async function open(page, file, length = "\\d+") {
   await choose(page, file);
   await page.until(`document.getElementById("name").textContent === ${JSON.stringify(basename(file))} && /^frame 1 of ${length}, 0:00.0$/.test(document.getElementById("place").value)`);
@@ -51,7 +53,7 @@ async function lockFirst(page) {
 
 const expected = (file, method, ...options) => lines(host("track", file, "--method", method, ...options, "--json").stdout).map((line) => JSON.parse(line));
 
-/** Moves the head from one frame to another, of so many. */
+/** Moves the slider's head from one frame to another, in a video of `length` frames. */
 async function scrub(page, from, to, length, how = "drag") {
   const [left, top, width, height] = await page.value(`(() => {
     const slider = document.getElementById("timeline");
@@ -65,12 +67,12 @@ async function scrub(page, from, to, length, how = "drag") {
   await settled(page);
 }
 
-// A video at any rate, which is shown too quickly for this machine: where Chromium skips a picture the page goes back for it.
+// Videos that play too fast for a slow machine: where Chromium skips a picture, the page must seek back to it.
 const FILMS = [
   ["vp8.webm", 240, 60, "-c:v", "libvpx", "-b:v", "4M"],
   ["vp9.webm", 60, 25, "-c:v", "libvpx-vp9", "-b:v", "1M", "-deadline", "realtime", "-cpu-used", "8"],
   ["b-frames.mp4", 120, 30, "-c:v", "libx264", "-bf", "3"],
-  // Frames come at uneven times.
+  // The frames have uneven intervals.
   ["uneven.webm", 120, 30, "-vf", "select='not(eq(mod(n,7),3)+eq(mod(n,7),4))'", "-fps_mode", "vfr", "-c:v", "libvpx", "-b:v", "2M"],
 ];
 for (const [name, length, rate, ...options] of FILMS) {
@@ -129,13 +131,12 @@ for (const [how, width, scheme] of [["drag", 1280, "light"], ["swipe", 390, "dar
     await scrub(page, back, 160, 200, how);
     const ahead = await page.value(NUMBER);
     assert.equal(await page.value(CODE), ahead);
-    // A target that is locked in an earlier frame is followed from there, and the other one is not followed twice.
+    // A target locked in an earlier frame is tracked from there, and the first target is not tracked twice.
     await scrub(page, ahead, 50, 200, how);
     const place = await page.value(NUMBER);
     await page.click("#add");
     await dragBox(page, { x: 100, y: 60, width: 30, height: 30 }, how);
     await page.until(`document.getElementById("track").textContent.includes("--init target2=100,60,30,30@${place}")`);
-    // So is a correction.
     await scrub(page, place, 70, 200, how);
     const corrected = await page.value(NUMBER);
     await page.click("#targets li:first-child input[type=radio]");
@@ -144,7 +145,7 @@ for (const [how, width, scheme] of [["drag", 1280, "light"], ["swipe", 390, "dar
     await followed(page);
     const inits = ["--init", `target1=${BOX}`, "--init", `target1=120,20,32,30@${corrected}`, "--init", `target2=100,60,30,30@${place}`];
     assert.deepEqual(await answers(page), expected(file, "robust", ...inits));
-    // The list of events goes there.
+    // A click on an event in the list goes to the frame of the correction.
     await page.value(`[...document.querySelectorAll("#events button")].find(({ textContent }) => textContent.includes("corrected at")).click()`);
     await page.until(`${NUMBER} === ${corrected}`);
     await settled(page);

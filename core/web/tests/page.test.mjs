@@ -1,4 +1,5 @@
-// The page in a real headless Chromium: what it answers equals what host-sim answers, and every bad start has one clear line.
+// The stand-alone page in a headless Chromium: its answers equal host-sim's, and each failure at the start has one
+// clear message.
 
 import assert from "node:assert/strict";
 import { join } from "node:path";
@@ -33,12 +34,12 @@ onPage("the built-in recording moves at once, and its answers are those of host-
 onPage("a camera: a box is dragged, 100 frames are followed, and host-sim agrees on the very pixels", async (page) => {
   await page.click("#camera");
   await page.until(`document.getElementById("name").textContent === "camera" && document.getElementById("about").textContent.startsWith("160x120") && ${NUMBER} > 0`);
-  // While the mouse is down the picture waits: so this is where the target is.
+  // The picture is held while the mouse is down, so that the target stays at this position.
   await dragBox(page, { x: 60, y: 50, width: 40, height: 40 });
   await page.until(`document.getElementById("track").textContent.includes("--init 60,50,40,40")`);
   const first = Number(/@(\d+)/.exec(await page.text("track"))?.[1] ?? 1);
   await page.until(`${NUMBER} >= ${first + FRAMES + 20}`);
-  // A change of the window meanwhile changes nothing but the picture.
+  // A change of the window's size meanwhile affects only the picture.
   await page.size(900, 700);
   await pausedAt(page, first + FRAMES + 30);
   await shoot(page, "camera", 900);
@@ -46,7 +47,7 @@ onPage("a camera: a box is dragged, 100 frames are followed, and host-sim agrees
   assert.ok(found.length >= FRAMES, `${found.length} answers`);
   assert.deepEqual(found.map(({ frame }) => frame), found.map((_, at) => first + at));
   assert.deepEqual(found[0].box, { x: 60, y: 50, width: 40, height: 40 });
-  // A correction in an earlier picture is followed from there to the newest.
+  // A correction in an earlier frame is tracked from there to the newest one.
   await page.key("ArrowLeft", { shift: true });
   await settled(page);
   const corrected = await page.value(NUMBER);
@@ -58,7 +59,8 @@ onPage("a camera: a box is dragged, 100 frames are followed, and host-sim agrees
   await settled(page);
   assert.ok((await answers(page)).at(-1).frame >= found.at(-1).frame);
   await replays(page, FRAMES);
-  // Out of the frames from here on: what was answered before stays, though its frames are gone. Then the recording comes back, and is followed.
+  // Marks the target as gone: earlier answers stay, though their frames are not kept. Then the built-in recording is
+  // opened.
   await page.click("#newest");
   await page.until(`${NUMBER} >= ${first + 800}`);
   await page.click("#gone");

@@ -1,4 +1,4 @@
-// Makes the pictures of the README: of frames, the window and the report, all of the built-in recording `street`, in host-sim/assets.
+// Creates the pictures of the README in host-sim/assets: frames, the window and the report of the recording `street`.
 //
 //   SMR_HOST_SIM=target/release/host-sim node core/web/tests/pictures.mjs
 
@@ -13,7 +13,7 @@ import { PROJECT } from "./library.mjs";
 const HOST_SIM = process.env.SMR_HOST_SIM;
 const FRAME = 176;
 const SIZE = { width: 1120, height: 640 };
-// The frames of the first picture: before the tree, behind it, beside the other car, near.
+// Frames of the first picture: the car is in front of a tree, behind it, beside another car, and near.
 const FRAMES = [20, 75, 187, 260];
 
 const folder = mkdtempSync(join(tmpdir(), "smr-pictures-"));
@@ -31,7 +31,7 @@ async function shoot(address, name, until) {
   return page;
 }
 
-/** The stage of the report in each of the frames, two in a row. */
+/** Script that joins the report's pictures of these frames into one, two in a row. */
 const strip = `(async () => {
   const stage = document.getElementById("stage");
   const strip = document.createElement("canvas");

@@ -1,5 +1,5 @@
-// Times updates of 640x480 frames by both modules: node core/web/tests/time.mjs. Prints microseconds: of each round the median, and
-// of the rounds the least, because other programs only add time.
+// Measures updates of 640x480 frames by both WebAssembly modules: node core/web/tests/time.mjs. Prints microseconds:
+// the least of the rounds' medians, because other programs only add time.
 
 import assert from "node:assert/strict";
 import { frames, libraries, random } from "./library.mjs";
@@ -7,7 +7,7 @@ import { frames, libraries, random } from "./library.mjs";
 const ROUNDS = 10;
 const COUNT = 40;
 
-/** The frames as a camera sends them, with noise in each: gray, or colors. */
+/** Returns frames with noise like a camera's, in gray or in color. */
 function recording(side, isColor) {
   const { next } = random(3);
   return [...frames({ width: 640, height: 480, side, count: COUNT })].map(({ data, box, width, height }) => {
@@ -17,7 +17,7 @@ function recording(side, isColor) {
   });
 }
 
-/** The median time of an update in a round. The target is never lost. */
+/** Returns the median time of an update in one round, in which the target must not be lost. */
 function round(tracker, [first, ...others]) {
   tracker.lock(first, first.box);
   const times = others.map((frame) => {

@@ -1,4 +1,4 @@
-// The parts of the window that need no browser: targets that are edited, answers of many frames, command lines.
+// Parts of the page of `host-sim view` that need no browser: edits of targets, answers of many frames, command lines.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";

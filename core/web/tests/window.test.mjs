@@ -1,6 +1,7 @@
-// The window in a real headless Chromium, over a real `host-sim view`: what is dragged is followed, corrected and taken away.
+// The page of a running `host-sim view` in a headless Chromium: targets are drawn, tracked, corrected and saved.
 //
-// Needs a program `chromium` (or CHROMIUM), and host-sim (SMR_HOST_SIM); names what it skips. Pictures of the page go to target/web.
+// Requires a program `chromium` (or CHROMIUM) and host-sim (SMR_HOST_SIM); else tests are skipped by name. Screenshots
+// are written to target/web.
 
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
@@ -40,7 +41,7 @@ after(async () => {
   }
 });
 
-// The recording as a camera gives it, 25 frames a second.
+// Pipes the recording into host-sim as a camera would, 25 frames a second.
 async function play({ stdin }) {
   stdin.on("error", () => {});
   const film = readFileSync(join(folder, "clip.y4m"));
@@ -64,7 +65,7 @@ async function served(words) {
   return { server, address: JSON.parse(line).address };
 }
 
-// A test on a window of its own, which may write no errors, nor ask anyone but host-sim for anything.
+// Runs a test on a new window, which must write no errors to the console and send requests to host-sim only.
 function onWindow(name, run, { words = ["clip.y4m"], ...options } = {}) {
   test(name, { skip: why ?? false }, async (context) => {
     rmSync(join(folder, SESSION), { force: true });
@@ -81,7 +82,7 @@ function onWindow(name, run, { words = ["clip.y4m"], ...options } = {}) {
   });
 }
 
-/** Where a pixel of the frame is in the window. */
+/** Converts a pixel of the frame to a position in the window. */
 const place = (page, x, y) => page.value(`(() => {
   const stage = document.getElementById("stage");
   stage.scrollIntoView({ block: "center" });
@@ -98,7 +99,7 @@ const commands = (page, pattern) => page.until(`${pattern}.test(document.getElem
 const says = (page, id, pattern) => page.until(`${pattern}.test(document.getElementById("${id}").textContent) && !document.getElementById("${id}").hidden`);
 const isAt = (page, number) => page.until(`document.getElementById("place").value.startsWith("frame ${number} of ")`);
 const focus = (page) => page.value(`document.getElementById("stage").focus()`);
-// True when host-sim has received the command in the line.
+// True when host-sim has received the targets and options in the page's command line.
 const HEARD = `fetch("source").then((answer) => answer.json()).then(({ targets, method, options }) => {
   const line = document.getElementById("track").textContent;
   const inits = targets.flatMap(({ locks }) => locks.map(({ frame, box }) => (box?.join() ?? "gone") + (frame === 1 ? "" : "@" + frame)));
@@ -118,7 +119,7 @@ async function goTo(page, number) {
   await isAt(page, number);
 }
 
-// A picture that goes on, 25 frames a second, never stays for so long: this waits for ever then.
+// Waits until the frame number no longer changes. It never returns while a camera is running.
 async function settled(page, number) {
   for (let [before, now] = [-1, 0]; ; before = now) {
     now = await page.value(number);
@@ -440,7 +441,7 @@ onWindow("another window of the same host-sim has the same targets", async (page
   await other.until(`document.getElementById("track") !== null`);
   await other.until(`/36,24,24,28/.test(document.getElementById("track").textContent)`);
   await other.until(`document.querySelector("#targets .now").textContent === "tracking"`);
-  // Boxes drawn in one come to the other, which goes on from there.
+  // Boxes drawn in one window appear in the other, in which the user can continue.
   await other.click("#plays");
   await other.click("#add");
   await dragBox(other, [100, 60, 30, 30]);
