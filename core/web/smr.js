@@ -375,7 +375,7 @@ export class Tracker {
     return window?.width > 0 ? window : null;
   }
 
-  /** The template { width, height, pixels }, for the robust tracker that of the first frames; null without a target. */
+  /** The template { width, height, pixels }, or the robust tracker's early template; null without a target. */
   get template() {
     this.#live();
     // The template is read from a saved target, which contains it.

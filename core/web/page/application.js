@@ -107,7 +107,7 @@ function lock(box, grip) {
   edits.lock(playback.shown, box, target);
   changed();
   if (held === null && kind === "recorded" && byId("plays").checked) {
-    // Plays on after the proposed box is cleared, which holds the frame.
+    // Deferred, because playback cannot leave the frame until the drawn box is cleared.
     queueMicrotask(() => playback.play(true));
   }
   return true;

@@ -123,7 +123,7 @@ export class Edits {
     }
   }
 
-  /** Reverts a refused change (or undo), after which the list was `targets`, unless a later change has replaced it. */
+  /** Reverts the change that led to the list `targets`, because it was refused. A later change stays. */
   takeBack(targets) {
     const step = this.#steps.findLast(({ after }) => after === targets);
     if (step === undefined) {

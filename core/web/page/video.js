@@ -7,11 +7,11 @@ import { htmlNode } from "./dom.js";
 
 // Assumed time in seconds from a picture to the next, until it is measured.
 const LIKELY_STEP = 1 / 30;
-// Distance between two pictures, in steps (usual times between pictures), above which one may be skipped.
+// Time between two pictures, as a factor of the usual one, above which a picture may have been skipped.
 const GAP = 1.5;
-// Longest time that a picture is shown, in steps; more than 1, because times are rounded.
+// Longest time that a picture is shown, as a factor of the usual one; more than 1, because times are rounded.
 const SLACK = 1.25;
-// Ratio of the mean step to the shortest one, above which a video's frames count as uneven.
+// Ratio of the mean to the shortest time between pictures, above which a video's frames count as uneven.
 const UNEVEN = 1.2;
 // A time in seconds that is shorter than files can resolve.
 const HAIR = 0.0005;

@@ -37,7 +37,7 @@ fn number(identifier: &[u8], value: u64) -> Vec<u8> {
 }
 
 fn element(identifier: &[u8], data: &[u8]) -> Vec<u8> {
-    // The 1 in the first byte marks a size field of eight bytes.
+    // A size field of eight bytes is marked by a 1 in the lowest bit of its first byte.
     let size = (data.len() as u64 | 1 << 56).to_be_bytes();
     [identifier, &size, data].concat()
 }

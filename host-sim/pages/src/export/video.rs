@@ -22,7 +22,7 @@ const CODECS: [&[&str]; 4] = [
     &["-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1", "-crf", "32", "-b:v", "0", "-f", "webm"],
 ];
 
-/// A video or folder being written. It appears under its name in [`Film::finish`].
+/// A video or folder being written under a temporary name, until [`Film::finish`].
 pub struct Film {
     name: PathBuf,
     plan: Plan,

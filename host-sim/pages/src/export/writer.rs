@@ -80,7 +80,7 @@ pub struct Written {
 
 const QUALITY: u8 = 100;
 
-/// A recording being written. It appears under its name in [`Writer::finish`].
+/// A recording being written under a temporary name, until [`Writer::finish`].
 pub struct Writer {
     name: String,
     format: Format,

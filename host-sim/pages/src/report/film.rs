@@ -26,7 +26,7 @@ pub struct Film {
     pub(super) truth: Option<Vec<Option<BoundingBox>>>,
     pub(super) pictures: Option<Pictures>,
     pub(super) files: Vec<ResultFile>,
-    /// For each entry of `files`, an index that is equal for files of the same name on the whole page.
+    /// For each entry of `files`, the index of its name among the files of the whole page, which selects its color.
     pub(super) places: Vec<usize>,
     pub(super) first: usize,
     /// Remarks for the reader: methods that were left out, and why.

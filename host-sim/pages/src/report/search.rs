@@ -17,7 +17,7 @@ pub struct Sight {
 
 pub struct Search {
     /// Difference from the template: for smr at its best position, accepted or not; for a baseline in its box; for the
-    /// robust tracker in its box, from the template of the first frames.
+    /// robust tracker in its box, from its early template (of the first frames).
     pub difference: Difference,
     /// Threshold below which a difference counts; `None` if all count.
     pub alpha: Option<u16>,
@@ -79,7 +79,7 @@ impl Method for Looking {
     }
 }
 
-/// Returns a *lost* report for a frame in which the target is not present; the box to draw is its first one, `start`.
+/// Returns a *lost* report for a frame without the target; the box to draw is the target's first one, `start`.
 pub(super) fn not_begun(start: Rect) -> (Report, Sight) {
     let report = Report { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
     (report, Sight { bbox: start.into(), search: None })

@@ -132,7 +132,7 @@ impl Shared {
         let (number, Came { gray, seconds, arrived }) =
             next.filter(|_| !reader.has_caught_up).or(all.last_key_value())?;
         let frame = Frame::new(reader.next.max(*number), *seconds, gray.clone());
-        // Frames before the reader's first one are not missed, because no target was tracked then.
+        // Frames before the reader's first one do not count as dropped, because no target was tracked then.
         let missed = reader.arrived.map_or(0, |_| frame.number - reader.next);
         (reader.next, reader.arrived) = (frame.number + 1, Some(*arrived));
         kept.dropped += missed;
@@ -246,7 +246,7 @@ mod tests {
         let mut next = || {
             seen.next().unwrap().map(|Frame { number, seconds, gray, .. }| (number, gray.pixels[0], seconds.unwrap()))
         };
-        // A tracker locked in an older frame gets every frame.
+        // The tracker is locked in an older frame, so it gets every frame.
         assert_eq!((next().unwrap(), next().unwrap()), ((2, 2, 2.0), (3, 3, 3.0)));
         sender.send(Ok(frame(4))).unwrap();
         wait_for(&camera, 4);

@@ -197,7 +197,8 @@ impl State {
         })
     }
 
-    /// Marks all answers from `part.from` on as changed, even after `part.to`: log positions ascend within a segment.
+    /// Gives the answers from `part.from` on new log positions, so that pages load them again. Answers after `part.to` get
+    /// new ones, too, because positions ascend within a segment.
     fn tell_again(&mut self, part: Part) {
         self.news.void(part);
         let Self { targets, segments, news, edition, .. } = self;
@@ -485,7 +486,7 @@ impl Followed {
         (open.or_else(done).unwrap_or(0), at)
     }
 
-    /// Returns the last frame before damage that fails a command; `None` if a target is locked behind it.
+    /// Returns the last frame before damaged data, as the limit of a command; `None` if a target is locked behind it.
     pub fn whole(&self) -> Option<usize> {
         let state = self.state();
         let mut locks = state.targets.iter().flat_map(|target| &target.locks);

@@ -169,7 +169,7 @@ mod tests {
         assert_eq!((second.frame(), second.shows(1), open().1.as_ref()), (None, None, Some(&expected)));
         let said = second.keep(|work| work.targets.clear()).unwrap();
         assert!(said.ends_with("a.smr.json~"), "{said}");
-        // The first session does not know the change of the second one, so it copies that file before it writes.
+        // The second session has changed the file, so the first one copies it before it writes.
         let kept: Work = serde_json::from_slice(&fs::read(folder.path().join("a.smr.json~")).unwrap()).unwrap();
         let there = fs::read(&file).unwrap();
         assert!(kept == expected && first.keep(|work| work.frame = None).unwrap().ends_with("a.smr.json~"));

@@ -109,7 +109,7 @@ fn lead_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     Ok(frame)
 }
 
-/// Returns the same as [`lead_frame`], but fails if the target is hidden in the frame.
+/// Returns the frame of [`lead_frame`]; fails if the target is hidden in it.
 fn visible_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     ensure!(film.truth.is_some(), "it needs ground truth, for the true place of the target");
     let frame = lead_frame(film, wish)?;

@@ -324,7 +324,7 @@ fn a_camera_restores_what_was_and_goes_on_from_what_it_keeps() {
         running.refused(vec![target(1, &[3])]),
         "frame 3 of 60: trackers can go back to frame 30 only: lock in a newer frame"
     );
-    // After a change of method, targets whose lock's frame is gone fail, and others are tracked.
+    // After a change of method, targets locked in a frame that is no longer kept fail; others are still tracked.
     running.followed.set_variant(variant(MethodKind::Robust));
     let (said, _) = running.heard();
     assert!(said.iter().any(|said| said.starts_with("frame 1 is not kept any more")), "{said:?}");
