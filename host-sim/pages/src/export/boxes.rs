@@ -85,7 +85,6 @@ impl About {
 pub struct Answer<'a> {
     /// Index in [`About::targets`].
     pub target: usize,
-    /// Frame number, from 1.
     pub frame: usize,
     /// Time of the frame in seconds, if known.
     pub time: Option<f64>,

@@ -97,7 +97,6 @@ impl Overlay {
         }
     }
 
-    /// Writes a line of text on a dark background, in the upper left corner.
     pub fn label(&mut self, text: &str, color: Color) {
         let label = lettering(text, color);
         self.picture(0, 0, &label);

@@ -107,7 +107,6 @@ fn cannot_write(name: &Path) -> String {
     format!("cannot write {}", name.display())
 }
 
-/// Returns the command that makes a video of the frames in its standard input and the sound of the recording.
 fn command(plan: &Plan, timeline: &Timeline, aspect: (u32, u32), codecs: &[&str]) -> Command {
     let mut command = Command::new("ffmpeg");
     command.args(["-v", "error", "-f", "matroska", "-i", "-"]);

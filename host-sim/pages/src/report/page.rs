@@ -166,7 +166,6 @@ mod tests {
         About { title: "<b>&".into(), command_line: "host-sim report '<i>'".into(), options: "{}".into() }
     }
 
-    /// Checks that every tag is closed, in the right order.
     fn nests(page: &str) {
         let mut open = Vec::new();
         let page = page.split("<script").next().unwrap();

@@ -59,7 +59,6 @@ impl Pictures {
         self.kept.iter().map(|picture| picture.jpeg.len().div_ceil(3) * 4 + picture.compared).sum()
     }
 
-    /// Returns the longest side of a picture in pixels; 0 if there are none.
     pub fn side(&self) -> u16 {
         self.kept.first().map_or(0, |first| first.side)
     }

@@ -23,7 +23,6 @@ pub struct Search {
     pub alpha: Option<u16>,
 }
 
-/// A tracker that records what it compares in each frame.
 pub(super) struct Looking {
     kind: MethodKind,
     tracker: Looked,

@@ -11,7 +11,6 @@ use smr_recordings::BoundingBox;
 pub(super) struct Entrant {
     pub name: String,
     pub title: String,
-    /// Short title, where there is little space.
     pub short: String,
     pub look: usize,
     #[serde(skip)]
@@ -62,7 +61,6 @@ pub(super) fn place_files(films: &mut [Film]) {
     }
 }
 
-/// Index in [`looks`] of the ground truth.
 pub(super) const TRUTH_LOOK: usize = LOOKS - 1;
 const LOOKS: usize = METHODS.len() + FILES.len() + 1;
 

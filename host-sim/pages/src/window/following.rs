@@ -1,9 +1,9 @@
-//! Runs the trackers of the window in a thread, and stores their answers.
+//! Runs the trackers of the window in a thread, and stores their answers. A [`Segment`] contains a target's answers
+//! from one lock (a box that the user drew) to the next. A correction creates one new segment; the other segments keep
+//! their answers. Unused segments are kept for undo.
 //!
-//! A [`Segment`] contains a target's answers from one lock (a box that the user drew) to the next. A correction creates
-//! one new segment; the other segments keep their answers. Unused segments are kept for undo. The thread reads from the
-//! earliest frame that lacks an answer; after a lock in an earlier frame, it starts again there. If frames end or fail,
-//! segments that need later frames wait for the next change.
+//! The thread reads from the earliest frame that lacks an answer; after a lock in an earlier frame, it starts again
+//! there. If frames end or fail, segments that need later frames wait for the next change.
 
 use super::news::{News, Part};
 use super::{Known, Source, lock};
@@ -83,7 +83,6 @@ pub struct Row {
 struct Key {
     target: u32,
     lock: (usize, Rect),
-    /// Index in [`State::editions`] of the tracker's settings.
     edition: usize,
 }
 
@@ -197,8 +196,8 @@ impl State {
         })
     }
 
-    /// Gives the answers from `part.from` on new log positions, so that pages load them again. Answers after `part.to` get
-    /// new ones, too, because positions ascend within a segment.
+    /// Gives the answers from `part.from` on new log positions, so that pages load them again. Answers after `part.to`
+    /// get new ones, too, because positions ascend within a segment.
     fn tell_again(&mut self, part: Part) {
         self.news.void(part);
         let Self { targets, segments, news, edition, .. } = self;
@@ -334,7 +333,6 @@ impl Followed {
         lock(&self.state)
     }
 
-    /// Changes the state and wakes all threads that wait for a change.
     fn change<T>(&self, act: impl FnOnce(&mut State) -> T) -> T {
         let done = act(&mut self.state());
         self.changed.notify_all();
@@ -514,7 +512,6 @@ impl Followed {
     }
 }
 
-/// The thread that reads frames and runs the trackers that need them.
 struct Following<'a> {
     followed: &'a Followed,
     source: &'a dyn Source,

@@ -64,7 +64,6 @@ pub trait Source: Send + Sync {
         None
     }
 
-    /// Returns the state of a camera; `None` for a recording.
     fn live(&self) -> Option<LiveState> {
         None
     }

@@ -22,7 +22,6 @@ const NEAR: usize = 24;
 /// Extra frames that a backward seek goes back, because a user who steps back will request earlier frames next.
 const BEFORE: usize = 12;
 
-/// A recording that may grow while the window shows it.
 pub struct Growing {
     path: PathBuf,
     options: OpenOptions,
@@ -35,7 +34,6 @@ struct Opened {
     known: Known,
     /// Value of [`size`] when the recording was last opened.
     size: u64,
-    /// Value of [`size`] at the last check.
     seen: u64,
     looked: Instant,
 }

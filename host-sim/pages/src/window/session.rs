@@ -19,7 +19,6 @@ pub struct Work {
     smr_session: u32,
     pub recording: String,
     pub method: String,
-    /// Options of the method, as on the command line.
     pub options: Map<String, Value>,
     pub targets: Vec<Target>,
     pub frame: Option<usize>,

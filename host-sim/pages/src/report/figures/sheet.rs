@@ -189,7 +189,6 @@ impl Sheet {
     }
 }
 
-/// Width of a frame in a row of four.
 pub(super) const COLUMN: f64 = (WIDTH - 5.0 * GAP) / 4.0;
 
 /// Returns the size of a frame with a margin of padding, scaled so that its longer side is `longest`.
