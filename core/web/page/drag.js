@@ -138,7 +138,7 @@ export class Drag {
   }
 }
 
-/** Returns the part of a box at a point: an edge or corner as [-1, 0 or 1 across, -1, 0 or 1 down], or null. */
+/** Returns the part of a box at a point as [across, down], each -1 or 1 at an edge and 0 inside; null if outside. */
 export function gripOf(box, { x, y }, reach) {
   const side = (value, from, size) => {
     // The middle half of a box is always its inside, by which the box is moved.

@@ -31,7 +31,7 @@ function line(target, isChosen, { choose, remove, rename }) {
 function nameField(target, rename) {
   const field = htmlNode("input", { type: "text", maxlength: 40, value: target.name, "aria-label": `Name of ${target.name}` });
   field.addEventListener("change", () => {
-    // Restores the former text, in case that the name is refused or empty.
+    // Restores the former name, because the new one may be refused or empty.
     rename(target, field.value);
     field.value = target.name;
   });

@@ -429,7 +429,7 @@ export class Video {
     });
   }
 
-  // Handles that frame `number` does not exist. Another frame may have been requested meanwhile.
+  // Handles a frame `number` that does not exist. Another frame may have been requested meanwhile.
   #end(number) {
     this.#isEnding = true;
     if (number === this.#known.counted + 1) {
