@@ -367,7 +367,9 @@ fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
     }
     let pictures = kinds.pop().unwrap_or_default();
     if let Some([one, other]) = names::twins(&pictures).map(|both| both.map(Path::display)) {
-        bail!("{at} holds {one} and {other}, two pictures with the same number: expected one for each frame; move the others away");
+        bail!(
+            "{at} holds {one} and {other}, two pictures with the same number: expected one for each frame; move the others away"
+        );
     }
     Ok(pictures)
 }

@@ -22,7 +22,9 @@ pub(super) fn unread(kind: &str) -> Error {
 pub(super) const CONVERT: &str = "convert it to PNG first";
 
 pub(super) fn several() -> Error {
-    anyhow!("it holds several pictures: expected one picture in each file of a folder, or this file alone as the recording")
+    anyhow!(
+        "it holds several pictures: expected one picture in each file of a folder, or this file alone as the recording"
+    )
 }
 
 /// A range of 16-bit values, stretched to 0..255; values outside become black or white. Text form: `7600..8366`.

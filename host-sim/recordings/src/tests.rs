@@ -101,7 +101,7 @@ fn folders_of_pictures_in_every_layout() {
 #[test]
 fn folders_that_are_refused() {
     let several = "...expected one kind; move the others away";
-    let unread = "...is a picture of a kind that is not read: convert it to PNG first";
+    let unread = "...: this kind of picture is not supported: convert it to PNG first";
     let bad = "cannot read @/2.png (frame 2): expected a PNG, JPEG, PGM, PPM or PAM picture: ...";
     let both = "@ holds @/a.mp4 and 1 pictures, @/1.png first: expected one or the other; name the file meant";
     let twins = "...two pictures with the same number: expected one for each frame; move the others away";
@@ -314,7 +314,7 @@ mod pictures {
         for bytes in [&b"P5 2 2"[..], b"P7\nWIDTH 2"] {
             refused(bytes, "expected a PNG, JPEG, PGM, PPM or PAM picture: its header has no ...", true);
         }
-        reads("pages.tif", None, b"II*\0", &[], "...is a picture of a kind that is not read: convert it to PNG first");
+        reads("pages.tif", None, b"II*\0", &[], "...: this kind of picture is not supported: convert it to PNG first");
         let text = "@/notes.txt is a text file: expected a recording (a video, Y4M or pictures)";
         reads("notes.txt", None, b"no", &[], text);
     }
@@ -568,7 +568,8 @@ mod videos {
         });
         let file = folder.path().join("a.ts");
         fs::write(&file, parts.concat()).unwrap();
-        let expected = "@/a.ts: the frame size or the pixel format changes during the video: expected the same in all frames";
+        let expected =
+            "@/a.ts: the frame size or the pixel format changes during the video: expected the same in all frames";
         assert_eq!(read(&file, &OpenOptions::default()).1, expected);
     }
 }

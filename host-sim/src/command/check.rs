@@ -153,6 +153,9 @@ fn describe_paper(counts: &paper::Counts, out: &mut impl Write) -> io::Result<()
         return writeln!(out, "  the exact scores have the same peak in every frame");
     }
     let (count, allowed) = (other_peaks.len(), 2.0 * bound);
-    writeln!(out, "  the exact scores have another peak in {count} frames; it may lead by at most {allowed:.1} units:")?;
+    writeln!(
+        out,
+        "  the exact scores have another peak in {count} frames; it may lead by at most {allowed:.1} units:"
+    )?;
     other_peaks.iter().try_for_each(|other| writeln!(out, "    frame {}: by {:.1} units", other.frame, other.margin))
 }

@@ -201,10 +201,7 @@ impl Eval {
         if let Some(signal) = cleanup::stopped_by() {
             return Ok(Outcome::Stopped(signal));
         }
-        ensure!(
-            failed == 0,
-            "{failed} of the measurements failed (errors above); the tables have the others"
-        );
+        ensure!(failed == 0, "{failed} of the measurements failed (errors above); the tables have the others");
         Ok(Outcome::Holds)
     }
 

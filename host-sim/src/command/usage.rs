@@ -151,7 +151,9 @@ impl Line<'_> {
         let prints = !has(self.command, "--out") && ["-o", "--out", "--output"].contains(&name);
         let meant = self.texts(ContextKind::SuggestedArg).join(" or ");
         let rest = match (others.is_empty(), meant.as_str()) {
-            _ if prints && !has(self.command, "--no-open") => "it prints to standard output: `> FILE` writes that to a file".to_owned(),
+            _ if prints && !has(self.command, "--no-open") => {
+                "it prints to standard output: `> FILE` writes that to a file".to_owned()
+            }
             (false, _) => format!("it belongs to {}", others.join(", ")),
             (true, "") => format!("{} lists those that it has", self.help()),
             (true, meant) => format!("did you mean {meant}?"),

@@ -41,7 +41,7 @@ pub(super) fn head(name: &str, frame: &GrayFrame, start: Option<&BoundingBox>) -
     );
     if let Some(Rect { x, y, width, height }) = start.and_then(BoundingBox::to_rect) {
         text += &format!(
-            "/* The box to start from, in the first frame. */\n#define {large}_X {x}\n#define {large}_Y {y}\n\
+            "/* The initial box, in the first frame. */\n#define {large}_X {x}\n#define {large}_Y {y}\n\
              #define {large}_BOX_WIDTH {width}\n#define {large}_BOX_HEIGHT {height}\n"
         );
     }

@@ -88,7 +88,7 @@ pub(super) struct Still {
 /// Runs all `methods` on all `targets` of the sequence; without targets, on the sequence's start box. Frames are not
 /// kept, except the `stills` (indices from 0) and, with `budget`, small pictures of all frames in this many bytes.
 /// `progress` is called after each frame. A film of several targets has no ground truth.
-/// Errors: No method, no box to start from, a frame that cannot be read or tracked, or a still or a box in a frame that does not exist.
+/// Errors: No method, no initial box, a frame that cannot be read or tracked, or a still or a box in a frame that does not exist.
 pub fn watch(
     sequence: Sequence,
     mut targets: Vec<Target>,
