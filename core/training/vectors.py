@@ -34,8 +34,7 @@ def main():
 
 
 def drawn(rng):
-    """Draws pairs of crops: blobs of many sizes and contrasts, the second crop with the first one in it. The last pairs are special: flat, black
-    and white, noise."""
+    """Draws pairs of crops: blobs of many sizes and contrasts, the first crop inside the second. The last pairs are flat, black and white, noise."""
     pairs = np.array([blobs_twice(rng) for _ in range(PAIRS)])
     pairs[-1] = 77
     pairs[-2] = 255 * rng.integers(0, 2, pairs[-2].shape)

@@ -8,8 +8,7 @@ import smr
 
 SIDE = 64
 WINDOWS = {"+-16": (16, 16), "+-60x50": (60, 50)}
-# Number of updates to time, at most; each is repeated up to REPEATS times or for ENOUGH seconds, and the shortest time
-# counts.
+# Updates to time, about; repetitions of each, at most; seconds after which the repetitions end. The shortest time counts.
 UPDATES, REPEATS, ENOUGH = 60, 15, 0.01
 # Largest shift of the target in the second frame in pixels; smaller near the frame's edge.
 SPARE = 8
