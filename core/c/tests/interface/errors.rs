@@ -119,7 +119,7 @@ fn javascript_has_the_words() {
     let words = words("JavaScript").into_values();
     let lines: String = words.map(|(status, text)| format!("  {status}: {},\n", quoted(&text, "{}", "{}"))).collect();
     let now = format!(
-        "// The texts of Rust's errors, by the name of the status. core/c/tests/interface/errors.rs writes them.\n\n\
+        "// Messages of the Rust library's errors, by the name of the C status. core/c/tests/interface/errors.rs generates them.\n\n\
          export const WORDS = {{\n{lines}}};\n"
     );
     assert!(is_recorded("core/web/words.js", &now), "core/web/words.js: SMR_RECORD=1 cargo test -p smr-c");
