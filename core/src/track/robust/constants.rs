@@ -71,7 +71,7 @@ pub(super) const TILES: u16 = 4;
 /// The agreement is the similarity ratio of the tile with this rank, from the lowest. With 4, three tiles may be
 /// hidden. The lowest tile (1) lowers the success rate R by 0.139 +- 0.024; the eighth (8) lowers it by 0.048 +- 0.022,
 /// and 66 % of the wrong frames are *tracking* instead of 23 %.
-pub(super) const RANK: usize = 4;
+pub(super) const AGREEMENT_RANK: usize = 4;
 /// The least and the most threshold alpha, in gray levels. Pixels match if they differ by less than alpha, so 2 allows
 /// for the rounding of both. With a least alpha of 8, a target with little contrast would match any plain patch
 /// (`verification/lighting.rs`).
@@ -85,7 +85,7 @@ pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
 pub(super) const LEAST_WINDOW: u32 = 4;
 /// The followed light moves by 2^-3 of the way to the light of each frame. With 0 (all the way) 0.05 more of the wrong
 /// frames are called *tracking*, on half of the recordings.
-pub(super) const FOLLOWED: u32 = 3;
+pub(super) const LIGHT_RATE: u32 = 3;
 /// The threshold alpha that measures how distinct a target is at the lock, in gray levels: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;
 
@@ -125,7 +125,7 @@ pub(super) const MOST_CODED_ERROR: u32 = 16_383;
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
 /// The standard deviation of the mask that weights the filter's cells in learning: half of the target's side. Unit:
 /// 1/256 cell for each pixel of the template on that axis.
-pub(super) const LEARNED_WIDTH: u32 = 32;
+pub(super) const MASK_WIDTH: u32 = 32;
 /// Steps of conjugate gradients at the lock. More steps overfit the first frame: 9 lower the success rate R by 0.004 +-
 /// 0.006. 25 steps of steepest descent, at four times the work, raise it by 0.003 +- 0.005.
 pub(super) const FIRST_STEPS: u32 = 7;

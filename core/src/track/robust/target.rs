@@ -82,7 +82,7 @@ impl Robust {
 
     #[cfg(feature = "unstable")]
     pub(crate) fn followed(&self) -> Option<FineRect> {
-        self.memory.track.map(|track| track.at(track.motion.place))
+        self.memory.track.map(|track| track.box_at(track.motion.place))
     }
 
     #[cfg(feature = "unstable")]

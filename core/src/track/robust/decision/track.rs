@@ -64,11 +64,11 @@ impl Track {
 
     #[cfg_attr(feature = "refiner", inline(never))] // without the refiner its one caller is `bbox`
     pub(crate) fn corrected(&self, place: Place) -> FineRect {
-        self.review.correct(self.at(place))
+        self.review.correct(self.box_at(place))
     }
 
     /// The box of the target at a place, without the refiner's correction.
-    pub(crate) fn at(&self, Place { x, y, scale }: Place) -> FineRect {
+    pub(crate) fn box_at(&self, Place { x, y, scale }: Place) -> FineRect {
         let size = |size: u16| u32::try_from((u64::from(size) * u64::from(scale) + (1 << 7)) >> 8).unwrap_or(u32::MAX);
         let [width, height] = self.size.map(size);
         let corner = |middle: i64, size: u32| {

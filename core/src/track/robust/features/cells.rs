@@ -39,7 +39,7 @@ pub(crate) const fn most_work(extent: Extent) -> u32 {
     columns * rows * FEATURED + most_read(columns, rows)
 }
 
-pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
+pub(crate) const fn most_work_of_a_piece(extent: Extent) -> u32 {
     LINES * columns(extent) * FEATURED + most_read(columns(extent), LINES)
 }
 
@@ -113,7 +113,7 @@ impl Extractor {
     #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [i8], budget: &mut Budget) -> bool {
         let done = self.row(frame, out);
-        budget.spend(self.sampling.work(FEATURED));
+        budget.spend(self.sampling.take_work(FEATURED));
         done
     }
 

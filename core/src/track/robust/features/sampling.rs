@@ -65,7 +65,7 @@ impl Axis {
 
     /// The index of the block at a sample, and the weight of the next block in units of 1/256.
     #[inline(always)] // a few instructions, once for each column
-    fn place(&self, number: u16) -> (u16, u8) {
+    fn block_at(&self, number: u16) -> (u16, u8) {
         // Nothing overflows (see `Axis`). Not `clamp`, because the compiler would link its panic.
         let position = self.first.wrapping_add(i32::from(number).wrapping_mul(self.step)).min(self.end).max(0);
         let position = position.unsigned_abs();
@@ -76,7 +76,7 @@ impl Axis {
     /// The indices of the block at a sample and of the next block, and the weight of the latter in units of 1/256.
     #[inline(never)]
     fn at(&self, number: u16) -> (u16, u16, u8) {
-        let (block, fraction) = self.place(number);
+        let (block, fraction) = self.block_at(number);
         (block, block.saturating_add(1).min(low(self.end.unsigned_abs() >> PIXEL_BITS)), fraction)
     }
 }
@@ -136,14 +136,14 @@ impl Lattice {
         let (across, down) = self.axes(bounds);
         sampling.pixels = self.pixels(bounds);
         (sampling.down, sampling.halvings) = (down, self.halvings());
-        let (left, _) = across.place(0);
+        let (left, _) = across.block_at(0);
         sampling.columns.clear();
         // Cannot fail: the capacity is `COLUMNS`, the most columns of a lattice.
         for column in 0..self.columns {
-            let (block, fraction) = across.place(column);
+            let (block, fraction) = across.block_at(column);
             sampling.columns.push(block.wrapping_sub(left), fraction);
         }
-        (sampling.made, sampling.read, sampling.sampled) = ([None; 2], 0, 0);
+        (sampling.rows_in_means, sampling.read, sampling.sampled) = ([None; 2], 0, 0);
         (sampling.next, sampling.rows) = (0, self.rows);
     }
 
@@ -178,7 +178,7 @@ pub(crate) struct Sampling {
     /// Block means of an even and of an odd row; unused if the frame is not halved.
     means: [Vec<u8, ROW>; 2],
     /// Indices of the two rows of blocks whose means are in `means`.
-    made: [Option<u16>; 2],
+    rows_in_means: [Option<u16>; 2],
     /// Index of the next row of the lattice, and the number of rows.
     next: u16,
     rows: u16,
@@ -198,7 +198,7 @@ impl Sampling {
             halvings: 0,
             pixels: Rect::new(0, 0, 0, 0),
             means: [const { Vec::new() }; 2],
-            made: [None; 2],
+            rows_in_means: [None; 2],
             next: 0,
             rows: 0,
             read: 0,
@@ -236,7 +236,7 @@ impl Sampling {
     }
 
     /// Returns and resets the work since the last call: 1 for each pixel read, and `each` for each sample.
-    pub(crate) fn work(&mut self, each: u32) -> u32 {
+    pub(crate) fn take_work(&mut self, each: u32) -> u32 {
         core::mem::take(&mut self.read) + each * core::mem::take(&mut self.sampled)
     }
 }
@@ -252,7 +252,7 @@ impl Sampler<'_> {
     pub(crate) fn row(&mut self, number: u16, out: &mut [u8]) {
         let (upper, lower, fraction) = self.sampling.down.at(number);
         // Block indices start at the first block that is read, not at the frame's edge.
-        let (top, _) = self.sampling.down.place(0);
+        let (top, _) = self.sampling.down.block_at(0);
         let (upper, lower) = (upper.wrapping_sub(top), lower.wrapping_sub(top));
         self.make(upper);
         self.make(lower);
@@ -266,13 +266,13 @@ impl Sampler<'_> {
     /// Computes the means of a row of blocks, unless `means` has them.
     #[inline(never)]
     fn make(&mut self, block: u16) {
-        let Self { pixels, sampling: Sampling { means: [even, odd], made, read, mixed, halvings, .. } } = self;
-        let [even_made, odd_made] = made;
-        let (made, means) = if block.is_multiple_of(2) { (even_made, even) } else { (odd_made, odd) };
-        if *made == Some(block) {
+        let Self { pixels, sampling: Sampling { means: [even, odd], rows_in_means, read, mixed, halvings, .. } } = self;
+        let [even_row, odd_row] = rows_in_means;
+        let (row_in_means, means) = if block.is_multiple_of(2) { (even_row, even) } else { (odd_row, odd) };
+        if *row_in_means == Some(block) {
             return;
         }
-        *made = Some(block);
+        *row_in_means = Some(block);
         // Reads at most 4 * ROW pixels, at most twice for each row of the lattice.
         *read += if *halvings == 0 {
             pixels.width().into()
@@ -435,7 +435,7 @@ mod tests {
         let frame = Frame::whole(Image::new(pixels, width, height).unwrap());
         let (mut sampling, mut sampled) = (Sampling::new(), Vec::<u8, 40_000>::new());
         assert!(lattice.sample(&frame, &mut sampling, &mut sampled));
-        let read = usize::try_from(sampling.work(0)).unwrap();
+        let read = usize::try_from(sampling.take_work(0)).unwrap();
         let (wanted, of) = plainly(&lattice, pixels, width, height);
         assert!(sampled[..] == wanted[..], "{lattice:?} on {width}x{height}");
         assert_eq!(read, of, "{lattice:?} on {width}x{height}");

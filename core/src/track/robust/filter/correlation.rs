@@ -77,7 +77,7 @@ impl<const N: usize> Coded<N> {
     /// 2^-25. If beta is not 0, sums are at most 2047.
     #[inline(never)]
     #[allow(clippy::cast_possible_truncation)] // at most 2047 + 3/4 * 8191, a coded value
-    pub(super) fn follow(&mut self, sums: &[i32], unit: u32, beta: i64) {
+    pub(super) fn set_direction(&mut self, sums: &[i32], unit: u32, beta: i64) {
         // The largest beta, 3/4, in units of 1/65536. Beta is converted to the units of the old and the new direction.
         const MOST: i32 = 3 << 14;
         let beta = beta >> (9 + self.shift).saturating_sub(unit);

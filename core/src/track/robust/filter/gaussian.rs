@@ -5,7 +5,7 @@
 //! exp(-(d / sigma)^2 / 2) in units of 1/16384, from the table of exp(-x / 255), x = 255 / 2 * (d / sigma)^2
 //! ```
 
-use super::super::constants::{LABEL_WIDTH, LEARNED_WIDTH};
+use super::super::constants::{LABEL_WIDTH, MASK_WIDTH};
 use super::super::features::Grid;
 use crate::kernels::rolled;
 use crate::similarity::PAPER;
@@ -29,7 +29,7 @@ impl Gaussian {
 
     /// The Gaussians of the mask on the horizontal and the vertical axis. Sigma is half of the target's side.
     pub(crate) fn mask(grid: &Grid) -> [Self; 2] {
-        [grid.columns, grid.rows].map(|side| Self::new((LEARNED_WIDTH * u32::from(side)).pow(2)))
+        [grid.columns, grid.rows].map(|side| Self::new((MASK_WIDTH * u32::from(side)).pow(2)))
     }
 
     fn new(squared_sigma: u32) -> Self {

@@ -55,9 +55,9 @@ const fn without_responses(extent: Extent) -> u32 {
 }
 
 /// Upper bound of the work for a piece: errors, direction, or the last row of responses with the change of the weights.
-pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
+pub(crate) const fn most_work_of_a_piece(extent: Extent) -> u32 {
     let errors = extent.offsets() + CODED * extent.weights();
-    let last = response::most_of_a_piece(extent) + CODED * (extent.weights() + extent.offsets());
+    let last = response::most_work_of_a_piece(extent) + CODED * (extent.weights() + extent.offsets());
     largest(&[errors, SLOPED * extent.weights(), last])
 }
 
@@ -132,7 +132,7 @@ impl Sums {
                 let shift = shift_below(steepest, largest);
                 let ScaledSums { factor, left, .. } = slopes;
                 let descent = mask(training.grid, weights, (factor, left, shift), sums);
-                direction.follow(sums, unit + shift, quotient(descent << 25, descent_before));
+                direction.set_direction(sums, unit + shift, quotient(descent << 25, descent_before));
                 return descent;
             }
             unit = if unit > 14 { 14 } else { 0 };
@@ -377,7 +377,7 @@ mod tests {
         {
             filter.restore(2, numbers.into_iter());
             filter.code(&mut direction);
-            direction.follow(&sums, 0, i64::MAX);
+            direction.set_direction(&sums, 0, i64::MAX);
             assert!(direction.numbers().iter().all(|number| u32::from(number.unsigned_abs()) <= LARGEST));
         }
     }

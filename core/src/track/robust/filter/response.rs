@@ -36,7 +36,7 @@ pub(crate) const fn most_work(extent: Extent) -> u32 {
 }
 
 /// Upper bound of the work for an indivisible piece. Some backends compute two rows of offsets in one piece.
-pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
+pub(crate) const fn most_work_of_a_piece(extent: Extent) -> u32 {
     2 * extent.span() * extent.weights()
 }
 
@@ -99,13 +99,13 @@ impl Responses {
 /// The peak of the responses at `span` offsets on each axis. `penalty` lowers responses far from the middle.
 #[inline(never)]
 pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
-    let responses = Counted { rows, span, penalty };
+    let responses = WithPenalty { rows, span, penalty };
     let (mut x, mut y) = (span / 2, span / 2);
     let mut response = responses.at(x, y).unwrap_or(i32::MIN);
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
             // Skips lower responses without their penalty, which never raises a response.
-            let counted = if candidate > response { responses.count(right, down, candidate) } else { candidate };
+            let counted = if candidate > response { responses.with_penalty(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);
             }
@@ -123,21 +123,21 @@ pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     Peak { x: 128 * cells(x) + right, y: 128 * cells(y) + below, response, height }
 }
 
-struct Counted<'a> {
+struct WithPenalty<'a> {
     rows: &'a [[i32; SPAN]],
     span: usize,
     penalty: bool,
 }
 
-impl Counted<'_> {
+impl WithPenalty<'_> {
     /// The response at an offset, with its penalty; `None` outside of the search.
     #[cfg_attr(smr_small, inline(never))]
     fn at(&self, x: usize, y: usize) -> Option<i32> {
         let response = self.rows.get(..self.span)?.get(y)?.get(..self.span)?.get(x)?;
-        Some(self.count(x, y, *response))
+        Some(self.with_penalty(x, y, *response))
     }
 
-    fn count(&self, x: usize, y: usize, response: i32) -> i32 {
+    fn with_penalty(&self, x: usize, y: usize, response: i32) -> i32 {
         if self.penalty { penalised(x, y, self.span, response) } else { response }
     }
 }

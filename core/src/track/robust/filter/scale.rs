@@ -31,7 +31,7 @@ pub(crate) const fn most_work(extent: Extent) -> u32 {
     3 * (cells::most_work(extent) + response::most_work(extent))
 }
 
-pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
+pub(crate) const fn most_work_of_a_piece(extent: Extent) -> u32 {
     response::most_work(extent.with_reach(SCALE_REACH))
 }
 

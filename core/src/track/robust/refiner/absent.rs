@@ -28,7 +28,7 @@ impl Review {
         false
     }
 
-    pub(super) fn follow(&mut self, (): (), _: bool) {}
+    pub(super) fn update(&mut self, (): (), _: bool) {}
 
     pub(super) fn correct(&self, target: FineRect) -> FineRect {
         target

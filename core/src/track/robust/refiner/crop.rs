@@ -92,7 +92,7 @@ impl Crop {
         if let Some(row) = rows.get_mut(row) {
             rolled(row.iter_mut().zip(samples)).for_each(|(to, sample)| *to = sample.cast_signed());
         }
-        budget.spend(sampling.work(SAMPLED));
+        budget.spend(sampling.take_work(SAMPLED));
         if !done {
             return false;
         }

@@ -58,8 +58,8 @@ impl Review {
     }
 
     /// Updates the review by an estimate. The correction changes only if the tracker has `learned` from the frame.
-    pub(super) fn follow(&mut self, estimate: Outputs, learned: bool) {
-        self.opinion.follow(estimate);
+    pub(super) fn update(&mut self, estimate: Outputs, learned: bool) {
+        self.opinion.update(estimate);
         if learned {
             self.correction.take(estimate);
         }

@@ -39,16 +39,16 @@ impl Opinion {
     pub(crate) const BEST: Self = Self(MOST);
 
     /// Updates the opinion by the expected errors of an estimate. Their logarithms are below 2^28.
-    pub(crate) fn follow(&mut self, [.., place, size]: Outputs) {
-        self.near((-(place + size)).clamp(0, MOST));
+    pub(crate) fn update(&mut self, [.., place, size]: Outputs) {
+        self.move_toward((-(place + size)).clamp(0, MOST));
     }
 
     /// Updates the opinion by an exact match of the early template.
     pub(crate) fn agree(&mut self) {
-        self.near(MOST);
+        self.move_toward(MOST);
     }
 
-    fn near(&mut self, trust: i32) {
+    fn move_toward(&mut self, trust: i32) {
         let (mut mean, doubted) = (self.mean(), self.0 >> 16);
         // Trust grows half as fast for a target that was doubted or found again.
         mean += (trust - mean) >> if mean < UNCERTAIN_BELOW.min(trust) { 4 } else { 3 };
@@ -99,7 +99,7 @@ mod tests {
         for (spread, end) in [(LARGEST, 0), (0, 0), (-6000, 11_993), (-LARGEST, MOST)] {
             let mut opinion = Opinion::BEST;
             for _ in 0..100 {
-                opinion.follow([0, 0, 0, 0, spread, spread]);
+                opinion.update([0, 0, 0, 0, spread, spread]);
                 assert!((0..=MOST).contains(&opinion.mean()));
             }
             assert!((opinion.mean() - end).abs() < 8, "{spread}: {opinion:?}");
@@ -119,7 +119,7 @@ mod tests {
         let mut opinion = Opinion::BEST;
         let mut updates = 0;
         while !opinion.gives_up() {
-            opinion.follow([0; 6]);
+            opinion.update([0; 6]);
             updates += 1;
         }
         // After the first six updates the opinion is still at least `UNCERTAIN_BELOW`.

@@ -38,11 +38,11 @@ const fn lock(config: &Config, extent: Extent) -> u32 {
 const fn piece(extent: Extent) -> u32 {
     largest(&[
         // The piece with the last row of features also measures the window's contrast.
-        cells::most_of_a_piece(extent) + lighting::most_work(extent),
-        agreement::most_of_a_piece(extent),
+        cells::most_work_of_a_piece(extent) + lighting::most_work(extent),
+        agreement::most_work_of_a_piece(extent),
         REFINED * extent.pixels(),
-        scale::most_of_a_piece(extent),
-        learning::most_of_a_piece(extent),
+        scale::most_work_of_a_piece(extent),
+        learning::most_work_of_a_piece(extent),
     ])
 }
 

@@ -25,7 +25,7 @@ use super::super::refiner::Refiner;
 use super::super::verification::{Alignment, COPIED, Candidate, REFINED, Refined, Verification, Verified, refine};
 use super::buffers::Buffers;
 use super::inputs::Inputs;
-use super::windows::{expected, swept};
+use super::windows::{expected, next_sweep_window};
 use crate::image::Frame;
 use crate::track::State;
 use crate::track::update::Budget;
@@ -154,7 +154,7 @@ impl Pipeline {
                 let estimate = refiner.next_piece(backend, frame, first, extractor.sampling(), large, budget);
                 if let Some(estimate) = estimate {
                     self.stage = Stage::Done;
-                    self.track.review.follow(estimate, self.learned.is_some());
+                    self.track.review.update(estimate, self.learned.is_some());
                 }
             }
         }
@@ -229,7 +229,7 @@ impl Pipeline {
     fn search_window(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
         self.stage = Stage::Done;
         if let Some(left @ 1..) = self.redetects {
-            let (centre, is_last) = swept(inputs.track, inputs.config, self.track.sweep);
+            let (centre, is_last) = next_sweep_window(inputs.track, inputs.config, self.track.sweep);
             self.track.sweep.move_on();
             self.redetects = Some(if is_last { 0 } else { left - 1 });
             (self.centre, self.stage) = (centre, Stage::Features);

@@ -16,7 +16,7 @@ pub(crate) fn expected(track: &Track) -> Place {
 /// The middle of the next window of redetection, at the scale when the target was last *tracking*. True if the window
 /// is the last of its row.
 #[inline(never)]
-pub(super) fn swept(track: &Track, config: &Config, sweep: Sweep) -> (Place, bool) {
+pub(super) fn next_sweep_window(track: &Track, config: &Config, sweep: Sweep) -> (Place, bool) {
     let side = i64::from(2 * config.reach() * CELL) * track.grid.step_at(track.tracked_scale);
     let ((x, y), is_last) = sweep.middle(u32::try_from(side).unwrap_or(u32::MAX), track.bounds);
     (Place { x, y, scale: track.tracked_scale }, is_last)
@@ -47,7 +47,7 @@ pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
     }
     let (mut sweep, mut all) = (track.sweep, Rect::default());
     for _ in 0..config.sweep {
-        let (place, is_last) = swept(track, config, sweep);
+        let (place, is_last) = next_sweep_window(track, config, sweep);
         let window = pixels(track, &place, config.reach() + MARGIN_CELLS);
         all = if all.is_empty() { window } else { union(all, window) };
         sweep.move_on();
@@ -62,7 +62,7 @@ pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
 pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
     let window = Lattice::search_window(&Place::of(target), &Grid::new(target), config.reach()).pixels(bounds);
     if config.refines() {
-        return union(window, reachable(Track::new(bounds, target).at(Place::of(target)), 0, bounds));
+        return union(window, reachable(Track::new(bounds, target).box_at(Place::of(target)), 0, bounds));
     }
     window
 }

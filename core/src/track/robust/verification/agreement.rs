@@ -13,7 +13,7 @@
 //! view, 32 instructions for each sample on the Cortex-M4.
 
 use super::super::config::Config;
-use super::super::constants::{ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, REFINED_FROM, TILES};
+use super::super::constants::{AGREEMENT_RANK, ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, REFINED_FROM, TILES};
 use super::super::features::{Extent, Grid, Lattice, Place, SAMPLED, Sampling, most_read};
 use super::alignment::{Alignment, Alignments, in_view};
 use super::lighting::{self, Light};
@@ -45,7 +45,7 @@ pub(crate) const fn most_work(extent: Extent) -> u32 {
 }
 
 /// Upper bound of the work for an indivisible piece: relighting the template and scoring it at the first alignment.
-pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
+pub(crate) const fn most_work_of_a_piece(extent: Extent) -> u32 {
     (RELIT + COMPARED) * extent.pixels()
 }
 
@@ -142,7 +142,7 @@ impl Comparison {
     #[inline(never)]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, sampling: &mut Sampling, budget: &mut Budget) -> bool {
         let done = sampling.next_row(frame, &mut self.view);
-        budget.spend(sampling.work(SAMPLED));
+        budget.spend(sampling.take_work(SAMPLED));
         done
     }
 
@@ -271,7 +271,7 @@ impl Verification {
 
 /// The fourth lowest similarity ratio of the tiles, in units of 1/65535.
 fn fourth_least(patch: Image<'_>, relit: Image<'_>, scorer: &Scorer<'_>) -> u16 {
-    let mut least = [u16::MAX; RANK];
+    let mut least = [u16::MAX; AGREEMENT_RANK];
     for (row, column) in (0..TILES).flat_map(|row| (0..TILES).map(move |column| (row, column))) {
         let cut = |side: u16, number: u16| number * side / TILES;
         let (left, top) = (cut(patch.width(), column), cut(patch.height(), row));

@@ -23,26 +23,26 @@ impl Alignments {
         Self { best: (0, 0), score: 0, middle: (0, 0) }
     }
 
-    /// The alignment with index `number`, in the order of comparison. Index 0 is the middle of the view.
+    /// The alignment at `index` in the order of comparison. Index 0 is the middle of the view.
     #[inline(never)]
-    pub(crate) fn alignment(&self, number: u16) -> Alignment {
-        let (number, step) = if number < 9 { (number, COARSE_STEP) } else { (number - 8, 1) };
+    pub(crate) fn alignment(&self, index: u16) -> Alignment {
+        let (index, step) = if index < 9 { (index, COARSE_STEP) } else { (index - 8, 1) };
         // Index 0 is the middle: the fifth of nine, row by row.
-        let ninth = match number {
+        let ninth = match index {
             0 => 4,
-            1..=4 => number - 1,
-            _ => number,
+            1..=4 => index - 1,
+            _ => index,
         };
         let by = |third: u16| step * (i16::try_from(third).unwrap_or(1) - 1);
         (self.middle.0 + by(ninth % 3), self.middle.1 + by(ninth / 3))
     }
 
     /// Adds the score of an alignment. The first of equal scores wins.
-    pub(crate) fn add(&mut self, number: u16, score: u32) {
+    pub(crate) fn add(&mut self, index: u16, score: u32) {
         if score > self.score {
-            (self.best, self.score) = (self.alignment(number), score);
+            (self.best, self.score) = (self.alignment(index), score);
         }
-        if number == 8 {
+        if index == 8 {
             self.middle = self.best;
         }
     }
@@ -63,10 +63,10 @@ mod tests {
     fn the_best_is_surrounded_next() {
         let mut alignments = Alignments::new();
         let mut places = Vec::new();
-        for number in 0..ALIGNMENTS {
-            places.push(alignments.alignment(number));
-            let (x, y) = alignments.alignment(number);
-            alignments.add(number, 1000 - u32::from(x.abs_diff(3) + y.abs_diff(-1)));
+        for index in 0..ALIGNMENTS {
+            places.push(alignments.alignment(index));
+            let (x, y) = alignments.alignment(index);
+            alignments.add(index, 1000 - u32::from(x.abs_diff(3) + y.abs_diff(-1)));
         }
         assert_eq!(places[..9].iter().filter(|&&(x, y)| x % 2 == 0 && y % 2 == 0).count(), 9);
         assert_eq!(alignments.best, (3, -1));

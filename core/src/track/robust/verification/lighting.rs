@@ -20,7 +20,7 @@
 //!
 //! Cost: 12 units of work for each cell of the window. Verification counts the work on the template's pixels.
 
-use super::super::constants::{CHANNELS, FOLLOWED, LEAST_ALPHA, LEAST_WINDOW, MOST_ALPHA, MOST_EXPECTED, ONE_GAIN};
+use super::super::constants::{CHANNELS, LEAST_ALPHA, LEAST_WINDOW, LIGHT_RATE, MOST_ALPHA, MOST_EXPECTED, ONE_GAIN};
 use super::super::features::Extent;
 use crate::image::Image;
 use crate::kernels::rolled;
@@ -60,7 +60,7 @@ impl Light {
     }
 
     pub(crate) fn following(self, new: Self) -> Self {
-        Self(self.0.saturating_add_signed((new.0.cast_signed() - self.0.cast_signed()) >> FOLLOWED))
+        Self(self.0.saturating_add_signed((new.0.cast_signed() - self.0.cast_signed()) >> LIGHT_RATE))
     }
 
     pub(crate) const fn number(self) -> u32 {

@@ -25,7 +25,7 @@ use crate::kernels::rolled;
 /// Units of work for each pixel of the template.
 pub(crate) const REFINED: u32 = 40;
 /// The most bits of a sum of squares when the normal equations are solved.
-const PLACES_OF_SUMS: u32 = 12;
+const BITS_OF_SUMS: u32 = 12;
 
 /// The target's offset from the view's middle, in units of 1/64 pixel of the grid, and its growth, in units of 1/65536.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,7 +107,7 @@ impl NormalEquations {
     fn step(&self) -> (i32, i32, i32) {
         let squares = self.squares.map(|square| square.unsigned_abs() + (square.unsigned_abs() >> DAMPING));
         let largest = squares.into_iter().max().unwrap_or(0);
-        let shift = (u32::BITS - largest.leading_zeros()).saturating_sub(PLACES_OF_SUMS).cast_signed();
+        let shift = (u32::BITS - largest.leading_zeros()).saturating_sub(BITS_OF_SUMS).cast_signed();
         // x: across, y: down, g: outward. The matrix and its minors are symmetric.
         let [xx, yy, gg] = squares.map(|square| i32::try_from(square >> shift).unwrap_or(0) + 1);
         let [xy, xg, yg] = self.products.map(|product| toward_zero(product, shift));
