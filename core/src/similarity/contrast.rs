@@ -11,12 +11,12 @@ pub(crate) struct Contrast {
     pub(crate) mean: u32,
     pub(crate) deviation: u32,
     /// Pixels clipped at 0 or 255.
-    cut_off: u32,
+    clipped: u32,
 }
 
 impl Contrast {
     /// Stands for a contrast that is not known.
-    pub(crate) const NONE: Self = Self { pixels: 0, mean: 0, deviation: 0, cut_off: 0 };
+    pub(crate) const NONE: Self = Self { pixels: 0, mean: 0, deviation: 0, clipped: 0 };
 
     /// Computes the contrast of at most 65537 pixels. No overflow: 256 times the sum of their levels is less than 2^32.
     #[inline(never)]
@@ -29,30 +29,30 @@ impl Contrast {
         let [sum, _] = from(0);
         let mean = (sum + count / 2) / count.max(1);
         let [level, ..] = mean.to_le_bytes(); // a mean of bytes is a byte
-        let [deviation, cut_off] = from(level);
-        Self { pixels: count, mean, deviation, cut_off }
+        let [deviation, clipped] = from(level);
+        Self { pixels: count, mean, deviation, clipped }
     }
 
     /// True if the patch can show every target of its size, by its contrast and its number of clipped pixels.
     pub(crate) const fn is_enough_for_any(&self) -> bool {
-        SHOWN * self.deviation >= MOST_DEVIATION * self.pixels && 2 * self.cut_off <= self.pixels
+        LARGEST_CONTRAST_RATIO * self.deviation >= MOST_DEVIATION * self.pixels && 2 * self.clipped <= self.pixels
     }
 
     /// True if the patch has at least a quarter of the contrast of `target`, which has the same number of pixels.
     pub(crate) const fn has_contrast_of(&self, target: Self) -> bool {
-        SHOWN * self.deviation >= target.deviation
+        LARGEST_CONTRAST_RATIO * self.deviation >= target.deviation
     }
 
     /// True if the clipped pixels exceed those of `target` (of the same size) by more than half of all pixels.
-    pub(crate) const fn is_cut_off_beside(&self, target: Self) -> bool {
-        self.cut_off > self.pixels / 2 + target.cut_off
+    pub(crate) const fn is_more_clipped_than(&self, target: Self) -> bool {
+        self.clipped > self.pixels / 2 + target.clipped
     }
 }
 
 /// The largest mean absolute deviation of a picture, rounded up: half of its pixels are 0, half are 255.
 const MOST_DEVIATION: u32 = 128;
-/// A patch can show the target if it has at least 1 / `SHOWN` of the target's contrast.
-pub(crate) const SHOWN: u32 = 4;
+/// A patch can show the target if it has at least 1 / `LARGEST_CONTRAST_RATIO` of the target's contrast.
+pub(crate) const LARGEST_CONTRAST_RATIO: u32 = 4;
 
 #[cfg(test)]
 mod tests {
@@ -61,16 +61,16 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn little_contrast_and_pixels_that_are_cut_off_are_noticed() {
+    fn little_contrast_and_pixels_that_are_clipped_are_noticed() {
         let contrast = |pixels: &[u8]| Contrast::of(Image::new(pixels, 4, 1).unwrap());
         let target = contrast(&[60, 140, 60, 140]);
         let has_contrast = |pixels: &[u8; 4]| contrast(pixels).has_contrast_of(target);
         assert!(has_contrast(&[90, 110, 90, 110]) && !has_contrast(&[90, 109, 90, 110]), "a quarter of 40 is 10");
         assert!(contrast(&[7; 4]).has_contrast_of(contrast(&[90; 4])), "a plain target has no contrast to miss");
-        let is_cut_off = |pixels: &[u8; 4], target| contrast(pixels).is_cut_off_beside(target);
-        assert!(!is_cut_off(&[0, 200, 50, 255], target), "two of four may be");
-        assert!(is_cut_off(&[0, 255, 50, 255], target), "three may not");
-        assert!(!is_cut_off(&[0, 255, 50, 255], contrast(&[0, 200, 50, 90])), "where one is in the target, three may");
+        let is_clipped = |pixels: &[u8; 4], target| contrast(pixels).is_more_clipped_than(target);
+        assert!(!is_clipped(&[0, 200, 50, 255], target), "two of four may be");
+        assert!(is_clipped(&[0, 255, 50, 255], target), "three may not");
+        assert!(!is_clipped(&[0, 255, 50, 255], contrast(&[0, 200, 50, 90])), "where one is in the target, three may");
     }
 
     #[test]
@@ -78,14 +78,14 @@ mod tests {
         let of = |pixels: &[u8], width, height| Contrast::of(Image::new(pixels, width, height).unwrap());
         let board: Vec<u8> = (0..Table::MAX_PIXELS).map(|at| if at % 2 == 0 { 0 } else { 255 }).collect();
         let contrast = of(&board, 65535, 1);
-        assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (127, 32768 * 127 + 32767 * 128, 65535));
+        assert_eq!((contrast.mean, contrast.deviation, contrast.clipped), (127, 32768 * 127 + 32767 * 128, 65535));
         let contrast = of(&board[..65536], 256, 256);
-        assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (128, 32768 * 255, 65536));
+        assert_eq!((contrast.mean, contrast.deviation, contrast.clipped), (128, 32768 * 255, 65536));
         // In the first row each pixel deviates by nearly the most possible.
         let mut rows = [255; 257 * 255];
         rows[..257].fill(0);
         let contrast = of(&rows, 257, 255);
-        assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (254, 257 * 254 + 257 * 254, 257 * 255));
+        assert_eq!((contrast.mean, contrast.deviation, contrast.clipped), (254, 257 * 254 + 257 * 254, 257 * 255));
         assert!(u32::try_from(Table::MAX_PIXELS).is_ok_and(|most| most.checked_mul(256 * 255).is_some()));
     }
 }

@@ -8,7 +8,7 @@ mod table;
 
 pub use crate::kernels::Backend;
 pub(crate) use crate::kernels::{CutTable, Scorer};
-pub(crate) use contrast::{Contrast, SHOWN};
+pub(crate) use contrast::{Contrast, LARGEST_CONTRAST_RATIO};
 pub(crate) use table::PAPER;
 pub use table::{Table, TableError};
 

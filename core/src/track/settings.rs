@@ -16,7 +16,7 @@ pub struct Setting {
     /// The highest value.
     pub highest: u16,
     /// The count of reserved values, always 1, that precede the setting in a record.
-    pub(super) ones: usize,
+    pub(super) reserved_before: usize,
 }
 
 /// The type of a setting.
@@ -49,8 +49,8 @@ impl Shape {
 impl Setting {
     #[doc(hidden)]
     #[must_use]
-    pub const fn new(name: &'static str, shape: Shape, (lowest, highest): (u16, u16), ones: usize) -> Self {
-        Self { name, shape, lowest, highest, ones }
+    pub const fn new(name: &'static str, shape: Shape, (lowest, highest): (u16, u16), reserved_before: usize) -> Self {
+        Self { name, shape, lowest, highest, reserved_before }
     }
 
     /// The name of the setting, which is the name of its field in the configuration.
@@ -141,8 +141,8 @@ pub trait Settings: Numbers {
         all.as_mut().iter_mut().zip(numbers.iter().chain(&[0])).for_each(|(to, &from)| *to = from);
         let mut rest = all.as_ref();
         for setting in Self::SETTINGS {
-            let (ones, after) = rest.split_at_checked(setting.ones).unwrap_or_default();
-            if let Some(&found) = ones.iter().find(|&&one| one != 1) {
+            let (reserved, after) = rest.split_at_checked(setting.reserved_before).unwrap_or_default();
+            if let Some(&found) = reserved.iter().find(|&&one| one != 1) {
                 return Err(ConfigError::OutOfRange { name: PARTS, lowest: 1, highest: 1, found });
             }
             let (values, after) = after.split_at_checked(setting.shape.count()).unwrap_or_default();
@@ -196,7 +196,7 @@ pub(super) fn recorded<C: Numbers>(config: &C, add: impl FnMut(u16)) {
 fn find(settings: &'static [Setting], name: &str) -> Option<(&'static Setting, usize)> {
     let mut at = 0;
     settings.iter().find_map(|setting| {
-        at += setting.ones;
+        at += setting.reserved_before;
         let found = (setting.name() == name).then_some((setting, at));
         at += setting.shape.count();
         found
@@ -207,7 +207,7 @@ fn find(settings: &'static [Setting], name: &str) -> Option<(&'static Setting, u
 pub(super) const fn names<const COUNT: usize>(settings: &[Setting]) -> [&'static str; COUNT] {
     let (mut names, mut number, mut setting) = ([PARTS; COUNT], 0, 0);
     while setting < settings.len() {
-        number += settings[setting].ones;
+        number += settings[setting].reserved_before;
         let end = number + settings[setting].shape.count();
         while number < end {
             names[number] = settings[setting].name();

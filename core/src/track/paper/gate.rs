@@ -34,7 +34,7 @@ impl Track {
     }
 
     /// True if the gate's decision on `peak` needs more than the finished search was asked for.
-    pub(super) fn asks_for_more(&self, peak: &Peak, config: &Config) -> bool {
+    pub(super) fn needs_second_search(&self, peak: &Peak, config: &Config) -> bool {
         match (self.wanted(State::Tracking, config), self.wanted(self.at(peak).1, config)) {
             (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
             (first, then) => first != then,
@@ -62,7 +62,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
         if self.contrast == Contrast::NONE {
             self.contrast = self.image().map_or(Contrast::NONE, Contrast::of);
         }
-        is.has_contrast_of(self.contrast) && !is.is_cut_off_beside(self.contrast)
+        is.has_contrast_of(self.contrast) && !is.is_more_clipped_than(self.contrast)
     }
 }
 

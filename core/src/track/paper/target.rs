@@ -252,7 +252,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
             return false;
         }
         match search.peaks(&window) {
-            Some(Peaks { peak, runner_up: None }) if track.asks_for_more(&peak, config) => {
+            Some(Peaks { peak, runner_up: None }) if track.needs_second_search(&peak, config) => {
                 search.begin_runner_up(&scene, config.neighbourhood);
                 false
             }

@@ -187,13 +187,13 @@ fn a_patch_without_contrast_is_not_accepted() {
 }
 
 #[test]
-fn a_patch_that_is_mostly_cut_off_is_not_accepted() {
+fn a_patch_that_is_mostly_clipped_is_not_accepted() {
     let target = plain_but(100, |at| if at % 2 == 0 { 60 } else { 140 });
-    let cut_off = |pixels: usize| plain_but(100, move |at| if at < pixels { 255 * (at % 2) as u8 } else { 100 });
-    assert_eq!(seen_after(&target, &cut_off(72), 1), State::Tracking, "half of 144");
-    assert_eq!(seen_after(&target, &cut_off(73), 1), State::Lost);
-    assert_eq!(seen_after(&target, &cut_off(73), 0), State::Tracking);
-    assert_eq!(seen_after(&cut_off(73), &cut_off(73), 1), State::Tracking, "a target may be so itself");
+    let clipped = |pixels: usize| plain_but(100, move |at| if at < pixels { 255 * (at % 2) as u8 } else { 100 });
+    assert_eq!(seen_after(&target, &clipped(72), 1), State::Tracking, "half of 144");
+    assert_eq!(seen_after(&target, &clipped(73), 1), State::Lost);
+    assert_eq!(seen_after(&target, &clipped(73), 0), State::Tracking);
+    assert_eq!(seen_after(&clipped(73), &clipped(73), 1), State::Tracking, "a target may be so itself");
     let black = plain_but(0, |_| 0);
     assert_eq!(seen_after(&black, &black, 1), State::Tracking);
 }

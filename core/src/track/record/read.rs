@@ -25,7 +25,7 @@ pub const fn entries(record: &[u8]) -> Entries<'_> {
 /// [`Flaw::NoEntry`] if no whole entry begins there, else what is wrong with its content.
 pub fn first(bytes: &[u8]) -> Result<Found<'_>, Damage> {
     let of = |flaw| Damage { at: 0, flaw };
-    let (tag, number, content) = whole(bytes).ok_or(of(Flaw::NoEntry(bytes.len())))?;
+    let (tag, number, content) = split_entry(bytes).ok_or(of(Flaw::NoEntry(bytes.len())))?;
     let entry = read(tag, content).map_err(of)?;
     Ok(Found { at: 0, size: AROUND + content.len(), number, entry })
 }
@@ -188,7 +188,7 @@ impl<'a> Iterator for Entries<'a> {
                 self.end();
                 return None;
             };
-            if let Some(found) = whole(rest) {
+            if let Some(found) = split_entry(rest) {
                 break found;
             }
             self.at += 1;
@@ -215,7 +215,7 @@ impl<'a> Iterator for Entries<'a> {
 
 /// (tag, number, content) of the entry at the start of `bytes`; `None` if it is incomplete or damaged.
 #[inline(never)]
-fn whole(bytes: &[u8]) -> Option<(Tag, u32, &[u8])> {
+fn split_entry(bytes: &[u8]) -> Option<(Tag, u32, &[u8])> {
     let mut head = Reader { bytes };
     let tag = head.take()?;
     let tag = Tag::ALL.into_iter().find(|known| known.bytes() == tag)?;

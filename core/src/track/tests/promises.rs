@@ -172,7 +172,7 @@ pub(super) trait Filmed: Target<Config: Debug> {
     fn configs() -> BoxedStrategy<Self::Config>;
 
     /// Checks the promises that only this tracker makes for an answer.
-    fn believe(tracker: &Tracker<Self>, first: Rect, bounds: Rect, answer: &Answer);
+    fn check_answer(tracker: &Tracker<Self>, first: Rect, bounds: Rect, answer: &Answer);
 }
 
 impl Filmed for SmallPaper {
@@ -207,7 +207,7 @@ impl Filmed for SmallPaper {
             .boxed()
     }
 
-    fn believe(tracker: &Tracker<Self>, first: Rect, bounds: Rect, answer: &Answer) {
+    fn check_answer(tracker: &Tracker<Self>, first: Rect, bounds: Rect, answer: &Answer) {
         let (bbox, border) = (answer.bbox, i32::from(tracker.config().padding));
         assert_eq!((bbox.width, bbox.height, answer.scale), (first.width, first.height, 65_536));
         assert!(bbox.x >= -border && bbox.right() <= bounds.right() + border);
@@ -240,7 +240,7 @@ impl Filmed for Robust {
             .boxed()
     }
 
-    fn believe(tracker: &Tracker<Self>, _: Rect, bounds: Rect, answer: &Answer) {
+    fn check_answer(tracker: &Tracker<Self>, _: Rect, bounds: Rect, answer: &Answer) {
         // The centre of the box stays on the frame, so the box overlaps or touches it.
         let Rect { x, y, width, height } = answer.bbox;
         let around = Rect::new(x - 1, y - 1, width.saturating_add(2), height.saturating_add(2));
@@ -388,7 +388,7 @@ impl<'a, T: Filmed> Twins<'a, T> {
         assert_eq!((Some(answer.fine), Some(answer.state)), (other.bbox(), other.state()));
         assert_eq!(answer.bbox, answer.fine.whole());
         assert_eq!(answer.found_again, before == Some(State::Lost) && answer.state != State::Lost);
-        T::believe(other, film.target, frame.bounds(), &answer);
+        T::check_answer(other, film.target, frame.bounds(), &answer);
         self.agree();
         answer
     }

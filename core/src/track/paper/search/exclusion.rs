@@ -24,7 +24,7 @@ const WORD: usize = 4;
 
 pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
     /// The minima of the blocks, row by row, in the first half; their maxima in the second half.
-    bytes: Words<PIXELS>,
+    bytes: Aligned4<PIXELS>,
     /// The upper bound of the scores in each group of the tile; 0 if the group is excluded.
     bounds: [[u32; 3]; SPAN],
     shape: Shape,
@@ -32,7 +32,7 @@ pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
 }
 
 #[repr(align(4))]
-struct Words<const BYTES: usize>([u8; BYTES]);
+struct Aligned4<const BYTES: usize>([u8; BYTES]);
 
 /// The division of a window into tiles and passes, for one size of template and window.
 #[derive(Clone, Copy)]
@@ -56,7 +56,7 @@ struct Remaining {
 
 impl Remaining {
     const NONE: Self = Self { columns: [u16::MAX, 0], rows: [u16::MAX, 0] };
-    /// All groups of a tile: [`Ranges::rest`] clips the rectangle to the tile.
+    /// All groups of a tile: [`Ranges::remaining_part`] clips the rectangle to the tile.
     const ALL: Self = Self { columns: [0, u16::MAX], rows: [0, u16::MAX] };
 
     /// Extends the rectangle to the group that begins at this offset of the tile.
@@ -87,14 +87,14 @@ impl Tile {
 
     /// The first offset of a group that no earlier group contains, relative to the tile.
     #[cfg_attr(smr_small, inline(never))]
-    pub(super) fn new_in_group(&self, group: usize) -> (usize, usize) {
+    pub(super) fn first_unshared(&self, group: usize) -> (usize, usize) {
         let across = self.columns.div_ceil(SIDE).max(1);
         (group % across * SIDE, group / across * SIDE)
     }
 
     /// The first offset of a group, relative to the tile. The last group of a row or column may overlap its neighbour.
     pub(super) fn group(&self, group: usize) -> (usize, usize) {
-        let (column, row) = self.new_in_group(group);
+        let (column, row) = self.first_unshared(group);
         (column.min(self.columns.saturating_sub(SIDE)), row.min(self.rows.saturating_sub(SIDE)))
     }
 }
@@ -104,7 +104,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     pub(super) const fn new() -> Self {
         let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, log2_passes: 0 };
         Self {
-            bytes: Words([0; PIXELS]),
+            bytes: Aligned4([0; PIXELS]),
             bounds: [[0; 3]; SPAN],
             shape,
             remaining: Remaining { columns: [0; 2], rows: [0; 2] },
@@ -126,7 +126,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     pub(super) fn tile(&self, window: &Window, column: usize, row: usize) -> Tile {
         let (columns, rows) = window.size();
         let ((column, columns), (row, rows)) =
-            (side_from(column, self.shape.columns, columns), side_from(row, self.shape.rows, rows));
+            (tile_extent(column, self.shape.columns, columns), tile_extent(row, self.shape.rows, rows));
         Tile { column, row, columns, rows }
     }
 
@@ -158,8 +158,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         self.remaining = Remaining::NONE;
     }
 
-    /// The part of `tile` around the groups that remain, called its rest; `None` if all groups are excluded.
-    pub(super) fn rest(&self, tile: &Tile) -> Option<Tile> {
+    /// The part of `tile` around the groups that remain; `None` if all groups are excluded.
+    pub(super) fn remaining_part(&self, tile: &Tile) -> Option<Tile> {
         let side = |[first, last]: [u16; 2], all: usize| {
             let (from, end) = (SIDE * usize::from(first), SIDE * usize::from(last) + SIDE);
             Some((from, end.min(all).checked_sub(from)?))
@@ -281,7 +281,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     }
 
     /// True if a group is to be bounded in this pass: see [`is_promising`].
-    pub(super) fn may_fall_below(&self, group: usize, needed: u32, area: u32, pass: usize) -> bool {
+    pub(super) fn is_worth_bounding(&self, group: usize, needed: u32, area: u32, pass: usize) -> bool {
         let bound = self.bounds.as_flattened().get(group);
         bound.is_some_and(|&bound| is_promising(bound, needed, area, pass, self.passes()))
     }
@@ -351,7 +351,7 @@ impl Shape {
 
 /// (first, count) of a tile on an axis of `all` offsets. The last tile may start earlier, to have at least 4 offsets.
 #[cfg_attr(smr_small, inline(never))]
-fn side_from(from: usize, most: usize, all: usize) -> (usize, usize) {
+fn tile_extent(from: usize, most: usize, all: usize) -> (usize, usize) {
     let size = most.min(all.saturating_sub(from)).max(SIDE.min(all));
     (from.min(all.saturating_sub(size)), size)
 }

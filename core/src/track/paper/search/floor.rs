@@ -12,14 +12,14 @@ use core::cmp::Ordering;
 
 pub(super) struct Leaders<const SPAN: usize> {
     best: Option<Peak>,
-    beside: Beside,
+    second_goal: SecondGoal,
     needed: u32,
     maxima: Maxima<SPAN>,
 }
 
 /// The second goal of a search and its progress: none, an equal outside the peak's neighbourhood, or the runner-up.
 #[derive(Clone, Copy)]
-enum Beside {
+enum SecondGoal {
     Nothing,
     Equals(Equals),
     RunnerUp { neighbourhood: u16, floor: u32 },
@@ -61,16 +61,16 @@ impl Equals {
 impl<const SPAN: usize> Leaders<SPAN> {
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        Self { best: None, beside: Beside::Nothing, needed: 0, maxima: Maxima::new() }
+        Self { best: None, second_goal: SecondGoal::Nothing, needed: 0, maxima: Maxima::new() }
     }
 
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn reset(&mut self, window: &Window, wanted: Wanted) {
         (self.best, self.needed) = (None, 0);
-        self.beside = match wanted {
-            Wanted::Peak => Beside::Nothing,
-            Wanted::Equals(neighbourhood) => Beside::Equals(Equals::of(neighbourhood, &Peak { x: 0, y: 0, score: 0 })),
-            Wanted::RunnerUp(neighbourhood) => Beside::RunnerUp { neighbourhood, floor: 0 },
+        self.second_goal = match wanted {
+            Wanted::Peak => SecondGoal::Nothing,
+            Wanted::Equals(radius) => SecondGoal::Equals(Equals::of(radius, &Peak { x: 0, y: 0, score: 0 })),
+            Wanted::RunnerUp(neighbourhood) => SecondGoal::RunnerUp { neighbourhood, floor: 0 },
         };
         self.maxima.reset(window);
     }
@@ -89,10 +89,10 @@ impl<const SPAN: usize> Leaders<SPAN> {
     pub(super) fn needed_at(&self, window: &Window, x: i32, y: i32) -> u32 {
         let needed = self.needed();
         let loses_tie = self.best.is_some_and(|best| {
-            let is_decided = match &self.beside {
-                Beside::Nothing => true,
-                Beside::Equals(equals) => equals.are_apart(),
-                Beside::RunnerUp { floor, .. } => *floor >= best.score,
+            let is_decided = match &self.second_goal {
+                SecondGoal::Nothing => true,
+                SecondGoal::Equals(equals) => equals.are_apart(),
+                SecondGoal::RunnerUp { floor, .. } => *floor >= best.score,
             };
             is_decided && best.score == needed && best.beats(&Peak { x, y, score: needed }, window)
         });
@@ -100,16 +100,16 @@ impl<const SPAN: usize> Leaders<SPAN> {
     }
 
     pub(super) fn note(&mut self, window: &Window, candidate: Peak) {
-        match (&mut self.beside, &self.best) {
-            (Beside::Nothing, _) => {}
-            (Beside::Equals(equals), best) => {
+        match (&mut self.second_goal, &self.best) {
+            (SecondGoal::Nothing, _) => {}
+            (SecondGoal::Equals(equals), best) => {
                 match best.map_or(Ordering::Greater, |best| candidate.score.cmp(&best.score)) {
                     Ordering::Less => {}
                     Ordering::Equal => equals.add(&candidate),
                     Ordering::Greater => *equals = Equals::of(equals.neighbourhood, &candidate),
                 }
             }
-            (Beside::RunnerUp { neighbourhood, floor }, best) => {
+            (SecondGoal::RunnerUp { neighbourhood, floor }, best) => {
                 if let Some(best) = best
                     && candidate.is_further_than(2 * u32::from(*neighbourhood), best)
                 {
@@ -126,30 +126,30 @@ impl<const SPAN: usize> Leaders<SPAN> {
 
     fn set_needed(&mut self) {
         let best = self.best.map_or(0, |best| best.score);
-        self.needed = match self.beside {
-            Beside::RunnerUp { floor, .. } => best.min(floor.saturating_add(1)),
+        self.needed = match self.second_goal {
+            SecondGoal::RunnerUp { floor, .. } => best.min(floor.saturating_add(1)),
             _ => best,
         };
     }
 
     /// Raises the floor by all pairs of offsets noted so far. (`note` compares new offsets only with the peak.)
     pub(super) fn raise_floor(&mut self) {
-        if let Beside::RunnerUp { neighbourhood, floor } = &mut self.beside {
+        if let SecondGoal::RunnerUp { neighbourhood, floor } = &mut self.second_goal {
             *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);
             self.set_needed();
         }
     }
 
     pub(super) const fn looks_for_runner_up(&self) -> bool {
-        matches!(self.beside, Beside::RunnerUp { .. })
+        matches!(self.second_goal, SecondGoal::RunnerUp { .. })
     }
 
     pub(super) fn peaks(&self, window: &Window) -> Option<Peaks> {
         let peak = self.best?;
-        let runner_up = match &self.beside {
-            Beside::Nothing => None,
-            Beside::Equals(equals) => (peak.score > 0 && equals.are_outside(&peak)).then_some(peak.score),
-            Beside::RunnerUp { neighbourhood, .. } => Some(self.maxima.outside(window, &peak, *neighbourhood)),
+        let runner_up = match &self.second_goal {
+            SecondGoal::Nothing => None,
+            SecondGoal::Equals(equals) => (peak.score > 0 && equals.are_outside(&peak)).then_some(peak.score),
+            SecondGoal::RunnerUp { neighbourhood, .. } => Some(self.maxima.outside(window, &peak, *neighbourhood)),
         };
         Some(Peaks { peak, runner_up })
     }

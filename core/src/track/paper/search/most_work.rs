@@ -22,7 +22,7 @@ impl Extent {
     }
 
     /// Columns plus rows of the window.
-    fn axes(&self) -> u64 {
+    fn maxima_count(&self) -> u64 {
         wide(self.window.0) + wide(self.window.1)
     }
 
@@ -51,7 +51,7 @@ impl Extent {
     fn runner_up<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let scouts = if self.offsets() >= 288 { 9 * self.pixels() } else { 0 };
         let all = scouts + self.peak::<PIXELS, SPAN>();
-        all + if self.pruning { all / 32 } else { 0 } + 2 * self.axes()
+        all + if self.pruning { all / 32 } else { 0 } + 2 * self.maxima_count()
     }
 
     /// The most comparisons of a search with or without the runner-up, and if `again` of another for the runner-up.
@@ -59,7 +59,7 @@ impl Extent {
         let first = match (runner_up, self.pruning) {
             (true, true) => self.runner_up::<PIXELS, SPAN>(),
             // Every offset is scored; the maxima are read at the end.
-            (true, false) => self.peak::<PIXELS, SPAN>() + self.axes(),
+            (true, false) => self.peak::<PIXELS, SPAN>() + self.maxima_count(),
             (false, _) => self.peak::<PIXELS, SPAN>(),
         };
         self.descent() + first + if again { self.runner_up::<PIXELS, SPAN>() } else { 0 }

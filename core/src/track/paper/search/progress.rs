@@ -77,9 +77,9 @@ pub(super) struct Descent {
     /// The position whose neighbours are compared.
     pub(super) x: i32,
     pub(super) y: i32,
-    /// The position with the least SAD so far. `distance` is its SAD.
+    /// The position with the least SAD so far, and that SAD.
     pub(super) best: (i32, i32),
-    pub(super) distance: u32,
+    pub(super) best_sad: u32,
     pub(super) step: u8,
 }
 
@@ -92,7 +92,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             tile: Tile { column: 0, row: 0, columns: 0, rows: 0 },
             stage: Stage::Done,
             place: Place::tile(0, 0),
-            descent: Descent { x: 0, y: 0, best: (0, 0), distance: 0, step: 0 },
+            descent: Descent { x: 0, y: 0, best: (0, 0), best_sad: 0, step: 0 },
             pruning: false,
             candidates: 0,
             granted: 0,
@@ -122,7 +122,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     pub(super) fn raise_floor(&mut self, scene: &Scene<'_>) {
         if self.leaders.looks_for_runner_up() {
             self.leaders.raise_floor();
-            self.spend(axes(scene));
+            self.spend(maxima_count(scene));
             self.since_floor = self.work.wrapping_neg();
         }
     }
@@ -145,8 +145,8 @@ pub(super) fn area(scene: &Scene<'_>) -> u32 {
     u32::from(scene.template.width()) * u32::from(scene.template.height())
 }
 
-/// The number of maxima in use: one per column and one per row of the window.
-pub(super) fn axes(scene: &Scene<'_>) -> u32 {
+/// One maximum per column and one per row of the window.
+pub(super) fn maxima_count(scene: &Scene<'_>) -> u32 {
     let (columns, rows) = scene.window.size();
     words(columns + rows)
 }

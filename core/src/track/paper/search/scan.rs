@@ -8,7 +8,7 @@
 //!
 //! The result depends neither on the order nor on the steps.
 
-use super::progress::{Descent, Place, Scene, Search, Stage, axes};
+use super::progress::{Descent, Place, Scene, Search, Stage, maxima_count};
 use super::window::{Wanted, Window};
 use crate::image::Rect;
 
@@ -55,7 +55,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 Stage::Done => {}
             }
             if self.is_done() && self.leaders.looks_for_runner_up() {
-                self.spend(axes(scene)); // `peaks` reads the maxima
+                self.spend(maxima_count(scene)); // `peaks` reads the maxima
             }
         }
         self.work
@@ -97,20 +97,20 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     /// Begins the descent at the last position. In a small window, or at the frame's edge, it ends at once.
     pub(super) fn last_position(&mut self, scene: &Scene<'_>) {
         let (x, y) = scene.window.centre();
-        self.descent = Descent { x, y, best: (x, y), distance: u32::MAX, step: 0 };
+        self.descent = Descent { x, y, best: (x, y), best_sad: u32::MAX, step: 0 };
         self.stage = Stage::Descent;
         let step = first_step(&scene.window);
         if step > 0
-            && let Some(distance) = self.sad(scene, x, y, u32::MAX)
+            && let Some(sad) = self.sad(scene, x, y, u32::MAX)
         {
-            (self.descent.distance, self.descent.step) = (distance, step);
+            (self.descent.best_sad, self.descent.step) = (sad, step);
         }
     }
 
     /// Compares the next neighbour. After the last one, moves to the best and halves the step; at step 0 scores it.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn descend(&mut self, scene: &Scene<'_>) {
-        let Descent { x, y, best, distance: least, step } = self.descent;
+        let Descent { x, y, best, best_sad, step } = self.descent;
         if step == 0 {
             self.score(scene, x, y);
             if self.leaders.needed() == 0 {
@@ -127,12 +127,12 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             (self.descent.x, self.descent.y) = best;
             self.descent.step = step / 2;
         } else if next != 4 {
-            let (x, y) = (x + third(next % 3, step), y + third(next / 3, step));
+            let (x, y) = (x + step_offset(next % 3, step), y + step_offset(next / 3, step));
             if scene.window.contains(x, y)
-                && let Some(distance) = self.sad(scene, x, y, least)
-                && distance < least
+                && let Some(sad) = self.sad(scene, x, y, best_sad)
+                && sad < best_sad
             {
-                (self.descent.best, self.descent.distance) = ((x, y), distance);
+                (self.descent.best, self.descent.best_sad) = ((x, y), sad);
             }
         }
     }
@@ -166,7 +166,7 @@ pub(super) const SAD_STEP: u16 = 4;
 pub(super) const MOST_STEPS: usize = 4;
 
 /// Element `number` of (-`step`, 0, `step`).
-fn third(number: usize, step: u8) -> i32 {
+fn step_offset(number: usize, step: u8) -> i32 {
     match number {
         0 => -i32::from(step),
         1 => 0,

@@ -1,7 +1,7 @@
 //! Searches a window tile by tile: excludes groups of 4x4 offsets (`exclusion.rs`), and scores the remaining offsets.
 
 use super::exclusion::{SIDE, Tile};
-use super::progress::{Place, Scene, Search, Stage, area, axes, words};
+use super::progress::{Place, Scene, Search, Stage, area, maxima_count, words};
 use crate::image::{Image, Rect};
 use crate::kernels::ALL_FOUR;
 use crate::similarity::{Scorer, Table};
@@ -24,7 +24,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             self.tile = self.ranges.tile(&scene.window, column, row);
             self.ranges.begin_tile(&self.tile, area(scene));
         }
-        if let Some(rest) = self.ranges.rest(&self.tile) {
+        if let Some(rest) = self.ranges.remaining_part(&self.tile) {
             let pixels = self.ranges.pixels(&scene.frame, &scene.window, &rest);
             let rows = self.ranges.rows(&self.tile, &rest, pass);
             let next = next.max(rows.start);
@@ -70,7 +70,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         let needed = self.leaders.needed().max(1);
         let (pass, groups) = (self.place.pass.into(), self.tile.groups());
         for group in self.place.next..groups {
-            if !self.ranges.may_fall_below(group, needed, area(scene), pass) {
+            if !self.ranges.is_worth_bounding(group, needed, area(scene), pass) {
                 continue;
             }
             if self.is_spent() {
@@ -101,10 +101,10 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             if group != from {
                 (self.place.next, self.place.offset) = (group, 0);
             }
-            let new = self.tile.new_in_group(group);
+            let new = self.tile.first_unshared(group);
             // Raises the floor at the first remaining group of a row, for at most 1/32 of the work since the last time.
-            let is_first = self.place.offset == 0 && (from == 0 || new.1 != self.tile.new_in_group(from - 1).1);
-            if is_first && self.since_floor.wrapping_add(self.work) / 32 >= axes(scene) {
+            let is_first = self.place.offset == 0 && (from == 0 || new.1 != self.tile.first_unshared(from - 1).1);
+            if is_first && self.since_floor.wrapping_add(self.work) / 32 >= maxima_count(scene) {
                 self.raise_floor(scene);
             }
             self.spend(words(group - from));

@@ -24,7 +24,7 @@ use super::super::constants::{CHANNELS, LEAST_ALPHA, LEAST_WINDOW, LIGHT_RATE, M
 use super::super::features::Extent;
 use crate::image::Image;
 use crate::kernels::rolled;
-use crate::similarity::{Contrast, SHOWN};
+use crate::similarity::{Contrast, LARGEST_CONTRAST_RATIO};
 
 /// Units of work for each cell of the window in measuring its contrast.
 const MEASURED: u32 = 12;
@@ -91,9 +91,9 @@ pub(crate) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
 /// True if a patch has at least a quarter of the expected contrast, at least one gray level, and at most half of its
 /// pixels clipped beyond those of the template. `template` is the template's contrast before relighting.
 pub(super) fn can_show(patch: Contrast, template: Contrast, expected: u32) -> bool {
-    SHOWN * ONE_GAIN * patch.deviation >= expected * template.deviation
+    LARGEST_CONTRAST_RATIO * ONE_GAIN * patch.deviation >= expected * template.deviation
         && patch.deviation >= patch.pixels
-        && !patch.is_cut_off_beside(template)
+        && !patch.is_more_clipped_than(template)
 }
 
 /// Adapts `template`, whose contrast is `from`, to the light of `patch`. Returns the contrast of `patch`, and the gain.
