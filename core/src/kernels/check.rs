@@ -610,7 +610,7 @@ fn columns() {
         *place = ((noise.bits() % 512) as u16, 255 - column * 6);
         columns.push(place.0, place.1);
     }
-    let mut row: MixedRow = [0; Interpolation::<40>::PLACES + 4];
+    let mut row: MixedRow = [0; Interpolation::<40>::LEFT_SAMPLES + 4];
     for extreme in [true, false] {
         row.fill_with(|| {
             let level = noise.bits() % (255 * 256 + 1);

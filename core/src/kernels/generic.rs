@@ -74,7 +74,7 @@ pub(crate) trait Vector: Copy {
 
     fn or(a: Self, b: Self) -> Self;
     /// Saturating subtraction: max(a - b, 0).
-    fn beyond(a: Self, b: Self) -> Self;
+    fn saturating_sub(a: Self, b: Self) -> Self;
     /// Wrapping subtraction: a - b.
     fn minus(a: Self, b: Self) -> Self;
     /// 255 where a > b as signed numbers, else 0.
@@ -83,7 +83,7 @@ pub(crate) trait Vector: Copy {
     fn keep(bytes: Self, end: Self) -> Self;
     #[inline(always)]
     fn difference(f: Self, g: Self) -> Self {
-        Self::or(Self::beyond(f, g), Self::beyond(g, f))
+        Self::or(Self::saturating_sub(f, g), Self::saturating_sub(g, f))
     }
 
     fn add(total: Self::Total, bytes: Self) -> Self::Total;
@@ -102,7 +102,7 @@ pub(crate) trait Neighbours: Vector {
     /// Saturating addition: min(a + b, 255).
     fn raised(a: Self, b: Self) -> Self;
     /// Shifts the bytes down by `BY` lanes; zeroes fill the top.
-    fn further<const BY: i32>(bytes: Self) -> Self;
+    fn shift_down<const BY: i32>(bytes: Self) -> Self;
 }
 
 /// A similarity table in registers, with zeroes from the threshold on.
@@ -544,7 +544,7 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
 #[inline(always)]
 fn around<V: Neighbours>(g: V, last: V) -> (V, V) {
     let highest = V::minus(V::raised(g, last), half(g));
-    (highest, V::minus(highest, V::beyond(g, last)))
+    (highest, V::minus(highest, V::saturating_sub(g, last)))
 }
 
 #[inline(always)]
@@ -655,10 +655,10 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
     unsafe {
         while at < last {
             let (lowest, highest) = column_ranges::<V>(&rows, at);
-            let lowest = V::min(lowest, V::further::<1>(lowest));
-            let highest = V::max(highest, V::further::<1>(highest));
-            V::store(V::min(lowest, V::further::<2>(lowest)), low.wrapping_add(at));
-            V::store(V::max(highest, V::further::<2>(highest)), high.wrapping_add(at));
+            let lowest = V::min(lowest, V::shift_down::<1>(lowest));
+            let highest = V::max(highest, V::shift_down::<1>(highest));
+            V::store(V::min(lowest, V::shift_down::<2>(lowest)), low.wrapping_add(at));
+            V::store(V::max(highest, V::shift_down::<2>(highest)), high.wrapping_add(at));
             // The last three lanes are incomplete. The next round computes them again.
             at += V::LANES - 3;
         }
@@ -688,7 +688,7 @@ pub(crate) fn half<V: Vector>(_: V) -> V {
 /// so both sides have [`HALF`] subtracted: the results are low - last - HALF, and high + last minus that.
 #[inline(always)]
 fn widen<V: Neighbours>(low: V, high: V, last: V) -> (V, V) {
-    let low_less_half = V::minus(V::beyond(low, last), half(low));
+    let low_less_half = V::minus(V::saturating_sub(low, last), half(low));
     (low_less_half, V::minus(V::raised(high, last), low_less_half))
 }
 

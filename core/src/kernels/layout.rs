@@ -46,7 +46,7 @@ impl Layout {
     /// at each offset it lies within the `cells` feature bytes.
     #[cfg_attr(smr_small, inline(never))]
     #[allow(dead_code)] // for backends that do not check each access
-    pub(crate) fn fits(self, cells: usize, weights: usize) -> Option<usize> {
+    pub(crate) fn checked_height(self, cells: usize, weights: usize) -> Option<usize> {
         let Self { row, stride, step, span } = self;
         let whole = step == CHANNELS && row > 0 && row.is_multiple_of(step) && weights.is_multiple_of(row) && span > 0;
         let down = weights.checked_div(row).filter(|&down| whole && down > 0)?;
@@ -59,7 +59,7 @@ impl Layout {
     /// The rows of offsets that the plain loop computes when it replaces a faster loop, which divides its work
     /// differently: all rows in the first piece of work, none in later pieces.
     #[allow(dead_code)] // for backends whose pieces are not rows of offsets
-    pub(crate) fn whole(self, pieces: Range<usize>) -> Range<usize> {
+    pub(crate) fn all_rows_in_first_piece(self, pieces: Range<usize>) -> Range<usize> {
         if pieces.start == 0 { 0..self.span } else { 0..0 }
     }
 
@@ -95,12 +95,12 @@ mod tests {
     #[test]
     fn a_filter_fits_if_it_lies_on_its_cells_at_each_offset() {
         let layout = Layout { row: 2 * CHANNELS, stride: 4 * CHANNELS, step: CHANNELS, span: 3 };
-        assert_eq!(layout.fits(16 * CHANNELS, 4 * CHANNELS), Some(2));
-        assert_eq!(layout.fits(16 * CHANNELS - 1, 4 * CHANNELS), None);
-        assert_eq!(layout.fits(16 * CHANNELS, 4 * CHANNELS - 1), None);
+        assert_eq!(layout.checked_height(16 * CHANNELS, 4 * CHANNELS), Some(2));
+        assert_eq!(layout.checked_height(16 * CHANNELS - 1, 4 * CHANNELS), None);
+        assert_eq!(layout.checked_height(16 * CHANNELS, 4 * CHANNELS - 1), None);
         // With wrapping arithmetic these layouts would seem to fit.
         for huge in [Layout { stride: usize::MAX / 4 + 1, ..layout }, Layout { span: usize::MAX, ..layout }] {
-            assert_eq!(huge.fits(16 * CHANNELS, 4 * CHANNELS), None);
+            assert_eq!(huge.checked_height(16 * CHANNELS, 4 * CHANNELS), None);
         }
     }
 }

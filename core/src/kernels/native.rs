@@ -4,19 +4,19 @@
 use super::backend::native;
 use super::cut_table::MAX_PIXELS;
 use super::layout::{CELL, CHANNELS, SIDE};
-use super::plain::levels::{MixedRow, PLACES, Parts};
+use super::plain::levels::{LEFT_SAMPLES, MixedRow, SampleWeights};
 use heapless::Vec;
 
 /// Bilinear sampling positions of up to `N` output columns in a row.
 pub(crate) struct Interpolation<const N: usize> {
     /// Byte offset in the row of each column's left sample.
     from: Vec<u16, N>,
-    parts: Vec<Parts, N>,
+    parts: Vec<SampleWeights, N>,
 }
 
 impl<const N: usize> Interpolation<N> {
     /// Number of positions for a left sample in a row.
-    pub(crate) const PLACES: usize = PLACES as usize;
+    pub(crate) const LEFT_SAMPLES: usize = LEFT_SAMPLES as usize;
 
     #[inline(always)]
     pub(crate) const fn new() -> Self {
@@ -34,15 +34,15 @@ impl<const N: usize> Interpolation<N> {
 
     /// Appends a column sampled at index `place + part / 256`. Does nothing if there are `N` columns already.
     pub(crate) fn push(&mut self, place: u16, part: u8) {
-        let _ = self.from.push(2 * (place % PLACES));
-        let _ = self.parts.push(Parts([256 - u16::from(part), part.into()]));
+        let _ = self.from.push(2 * (place % LEFT_SAMPLES));
+        let _ = self.parts.push(SampleWeights([256 - u16::from(part), part.into()]));
     }
 
     /// Samples `row` at the columns: writes rounded gray levels, up to the length of `out`.
     #[inline(always)]
     pub(crate) fn mix(&self, row: &MixedRow, out: &mut [u8]) {
         let Self { from, parts } = self;
-        // SAFETY: `push` keeps each place below PLACES.
+        // SAFETY: `push` keeps each place below LEFT_SAMPLES.
         #[allow(unused_unsafe)] // the plain loop is safe
         unsafe {
             native::levels::mix(from, parts, row, out);

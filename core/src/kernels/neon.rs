@@ -29,7 +29,7 @@ impl Vector for uint8x16_t {
             generic::last::<Self, WHOLE>(row, width)
         }
         fn or(a: Self, b: Self) -> Self { vorrq_u8(a, b) }
-        fn beyond(a: Self, b: Self) -> Self { vqsubq_u8(a, b) }
+        fn saturating_sub(a: Self, b: Self) -> Self { vqsubq_u8(a, b) }
         fn minus(a: Self, b: Self) -> Self { vsubq_u8(a, b) }
         fn is_above(a: Self, b: Self) -> Self { vcgtq_s8(vreinterpretq_s8_u8(a), vreinterpretq_s8_u8(b)) }
         fn add(total: uint32x4_t, bytes: Self) -> uint32x4_t { vpadalq_u16(total, vpaddlq_u8(bytes)) }
@@ -48,7 +48,7 @@ impl Neighbours for uint8x16_t {
         fn min(a: Self, b: Self) -> Self { vminq_u8(a, b) }
         fn max(a: Self, b: Self) -> Self { vmaxq_u8(a, b) }
         fn raised(a: Self, b: Self) -> Self { vqaddq_u8(a, b) }
-        fn further<const BY: i32>(bytes: Self) -> Self { vextq_u8::<BY>(bytes, vdupq_n_u8(0)) }
+        fn shift_down<const BY: i32>(bytes: Self) -> Self { vextq_u8::<BY>(bytes, vdupq_n_u8(0)) }
     }
 }
 

@@ -29,7 +29,7 @@ impl Vector for v128 {
             generic::last::<Self, WHOLE>(row, width)
         }
         fn or(a: Self, b: Self) -> Self { v128_or(a, b) }
-        fn beyond(a: Self, b: Self) -> Self { u8x16_sub_sat(a, b) }
+        fn saturating_sub(a: Self, b: Self) -> Self { u8x16_sub_sat(a, b) }
         fn minus(a: Self, b: Self) -> Self { u8x16_sub(a, b) }
         fn is_above(a: Self, b: Self) -> Self { i8x16_gt(a, b) }
         fn add(total: Self, bytes: Self) -> Self {
@@ -49,7 +49,7 @@ impl Neighbours for v128 {
         fn min(a: Self, b: Self) -> Self { u8x16_min(a, b) }
         fn max(a: Self, b: Self) -> Self { u8x16_max(a, b) }
         fn raised(a: Self, b: Self) -> Self { u8x16_add_sat(a, b) }
-        fn further<const BY: i32>(bytes: Self) -> Self { further::<BY>(bytes) }
+        fn shift_down<const BY: i32>(bytes: Self) -> Self { shift_down::<BY>(bytes) }
     }
 }
 
@@ -61,7 +61,7 @@ fn across(total: v128) -> u32 {
 
 /// Shifts the bytes down by `BY` lanes, 1 or 2; zeroes fill the top. The indices of a shuffle must be literals.
 #[inline(always)]
-fn further<const BY: i32>(bytes: v128) -> v128 {
+fn shift_down<const BY: i32>(bytes: v128) -> v128 {
     const { assert!(BY == 1 || BY == 2) };
     let zero = u8x16_splat(0);
     match BY {

@@ -24,7 +24,7 @@ pub(crate) const BOTH: usize = 1;
 
 /// Sizes of the three partial sums, which process filter rows and offsets in pairs.
 #[derive(Clone, Copy)]
-pub(crate) struct Pairs {
+pub(crate) struct PairedSizes {
     down: usize,
     span: usize,
 }
@@ -34,7 +34,7 @@ pub(crate) trait Rows {
     /// Selects the cells to multiply: row `first`, minus row `second` if there is one.
     fn take(&mut self, first: usize, second: Option<usize>);
 
-    /// Adds the products of the selected cells with row `number` of [`Pairs::factors`], for each horizontal offset.
+    /// Adds the products of the selected cells with row `number` of [`PairedSizes::factors`], for each offset across.
     fn add(&mut self, number: usize, sums: &mut [i32]);
 }
 
@@ -48,7 +48,7 @@ pub(crate) struct Slide<T> {
     pub(crate) rows: usize,
 }
 
-impl Pairs {
+impl PairedSizes {
     pub(crate) fn new(down: usize, span: usize) -> Self {
         Self { down, span }
     }

@@ -16,7 +16,7 @@ pub(crate) fn rolled<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> 
 
 /// Like [`rolled`], but only on targets with a faster loop, where the plain loop hardly ever runs.
 #[inline(always)]
-pub(crate) fn rolled_if_spare<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {
+pub(crate) fn rolled_if_rare<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {
     iterator.inspect(|_| {
         #[cfg(any(smr_dsp, smr_helium, smr_swar))]
         nothing();

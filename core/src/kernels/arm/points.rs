@@ -57,10 +57,10 @@ impl Points {
         (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
     }
 
-    /// Spare points of four offsets before the first row: the most points that the rows can have, minus those needed. A
+    /// Margins of four offsets before the first row: the most points that the rows can have, minus those needed. A
     /// loop subtracts the points that pixels lack. A negative offset is excluded; one not `wanted` starts negative.
     #[inline(always)]
-    pub(super) fn spare(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
+    pub(super) fn initial_margins(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
         let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();
         [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start })
     }

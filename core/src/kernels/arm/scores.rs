@@ -2,8 +2,8 @@
 //!
 //! Both sum bytes fast, but look up a table pixel by pixel. So two bounds, which exclude offsets, only sum bytes:
 //!
-//! - [`Loops::MISSES`] counts the pixels beyond the threshold at every offset of a 4x4 group.
-//! - [`Loops::SPARE`] sums the points of four offsets (`points.rs`).
+//! - [`Loops::OUTSIDE_RANGES`] counts the pixels beyond the threshold at every offset of a 4x4 group.
+//! - [`Loops::POINT_MARGINS`] sums the points of four offsets (`points.rs`).
 
 use super::points::{OFFSETS, Points};
 use crate::image::Image;
@@ -24,10 +24,10 @@ pub(crate) trait Loops {
     const DISTANCE: unsafe fn(&Rows, u32) -> u32;
     /// (rows, allowed): the number of template pixels outside their ranges. It may stop once that exceeds `allowed`.
     /// The patch holds the lower ends of the ranges, its upper bound the lengths; both have the same stride.
-    const MISSES: unsafe fn(&Rows, u32) -> u32;
+    const OUTSIDE_RANGES: unsafe fn(&Rows, u32) -> u32;
     /// (rows, constants, needed, wanted): the points (`points.rs`) of four offsets minus `needed`. Negative only if an
     /// offset has fewer points or is not wanted. The patch has three more columns than the template.
-    const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS];
+    const POINT_MARGINS: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS];
     /// (rows, margin, low, lengths): computes the lower ends and the lengths of the ranges of 4x4 blocks, widened by a
     /// margin on both sides. Does nothing if there are fewer blocks than `NARROWEST`.
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]);
@@ -73,8 +73,8 @@ impl<L: Loops> Scores for Kernels<'_, L> {
             return wanted;
         }
         // SAFETY: there are enough columns. The patch has three more than the template.
-        let spare = unsafe { (L::SPARE)(&rows, points, needed, wanted) };
-        let candidates = spare.iter().rev().fold(0, |mask, spare| mask << 1 | u8::from(*spare >= 0));
+        let margins = unsafe { (L::POINT_MARGINS)(&rows, points, needed, wanted) };
+        let candidates = margins.iter().rev().fold(0, |mask, margin| mask << 1 | u8::from(*margin >= 0));
         self.points.note(candidates != wanted);
         candidates
     }
@@ -89,7 +89,7 @@ impl<L: Loops> Scores for Kernels<'_, L> {
         unsafe { (L::DISTANCE)(&pair, enough) }
     }
 
-    /// Computes ranges as [`Loops::MISSES`] reads them: widened by the largest difference below the threshold.
+    /// Computes ranges as [`Loops::OUTSIDE_RANGES`] reads them: widened by the largest difference below the threshold.
     #[inline(never)]
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         let margin = u8::try_from(self.plain.table.threshold().saturating_sub(1)).unwrap_or(u8::MAX);
@@ -106,7 +106,7 @@ impl<L: Loops> Scores for Kernels<'_, L> {
             return Some(full);
         }
         // SAFETY: there are enough columns, and both halves of the ranges have the same stride.
-        let misses = unsafe { (L::MISSES)(&rows, allowed) };
+        let misses = unsafe { (L::OUTSIDE_RANGES)(&rows, allowed) };
         (misses <= allowed).then(|| full.wrapping_sub(misses.wrapping_mul(u32::from(ONE))))
     }
 }

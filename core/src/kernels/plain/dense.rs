@@ -12,7 +12,7 @@
 //!
 //! A patch has at most 384 inputs, so a sum stays below 2^27 + 384 * 127 * 127 < 2^28.
 
-use super::super::unrolling::{rolled, rolled_if_spare};
+use super::super::unrolling::{rolled, rolled_if_rare};
 
 /// The weights of a layer. Each output has `inputs` weights, a multiple of 4.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +30,7 @@ pub(crate) fn sum(layer: Layer<'_>, output: usize, patch: &[i8]) -> i32 {
     let bias = layer.biases.get(output).map_or(0, |&bias| i32::from_le_bytes(bias));
     let weights = layer.weights.get(output * layer.inputs..).unwrap_or_default();
     // Keeps the loop small on every microcontroller, because those that need speed have another loop.
-    let pairs = rolled_if_spare(rolled(patch.iter().zip(weights)));
+    let pairs = rolled_if_rare(rolled(patch.iter().zip(weights)));
     let products = pairs.map(|(&x, &w)| i32::from(x) * i32::from(w));
     bias + products.sum::<i32>()
 }

@@ -30,22 +30,22 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
 }
 
 /// Number of positions in a row for the left sample of a column.
-pub(crate) const PLACES: u16 = 512;
+pub(crate) const LEFT_SAMPLES: u16 = 512;
 
 /// A row of gray levels to sample, as 256 * level - [`BIAS`] in two's complement, with room for the last right sample.
-pub(crate) type MixedRow = [u16; PLACES as usize + 4];
+pub(crate) type MixedRow = [u16; LEFT_SAMPLES as usize + 4];
 
 /// Weights of a column's left and right sample, 256 in sum. The assembly loads them as an aligned word.
 #[derive(Clone, Copy)]
 #[repr(align(4))]
-pub(crate) struct Parts(pub(crate) [u16; 2]);
+pub(crate) struct SampleWeights(pub(crate) [u16; 2]);
 
 /// Subtracted from each number of a [`MixedRow`], because the DSP extension and Helium multiply signed numbers.
 pub(crate) const BIAS: u16 = if cfg!(any(smr_dsp, smr_helium)) { 1 << 15 } else { 0 };
 
 /// Computes the rounded gray level of each column. `from` holds the byte offsets of the left samples in `row`.
 #[inline(always)]
-fn mixed(from: &[u16], parts: &[Parts], row: &MixedRow) -> impl Iterator<Item = u8> {
+fn mixed(from: &[u16], parts: &[SampleWeights], row: &MixedRow) -> impl Iterator<Item = u8> {
     from.iter().zip(parts).map(|(&from, parts)| {
         let pair = row.get(usize::from(from / 2)..).and_then(|row| row.first_chunk()).copied().unwrap_or([0; 2]);
         let [first, second] = pair.map(|number| u32::from(number.wrapping_add(BIAS)));
@@ -56,6 +56,6 @@ fn mixed(from: &[u16], parts: &[Parts], row: &MixedRow) -> impl Iterator<Item = 
 }
 
 #[inline(always)]
-pub(crate) fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mut [u8]) {
+pub(crate) fn mix(from: &[u16], parts: &[SampleWeights], row: &MixedRow, out: &mut [u8]) {
     out.iter_mut().zip(mixed(from, parts, row)).for_each(|(out, level)| *out = level);
 }

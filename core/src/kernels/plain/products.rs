@@ -7,7 +7,7 @@
 //! | e | error of a response | `i16` |
 
 use super::super::layout::{Layout, Packed};
-use super::super::unrolling::rolled_if_spare;
+use super::super::unrolling::rolled_if_rare;
 use core::ops::Range;
 
 /// Computes the responses: `out[y][x]` is the sum of `w * x` over all weights, with the filter at the offset (x, y).
@@ -24,10 +24,10 @@ pub(crate) fn responses_inline<const N: usize>(
     let Layout { row, stride, step, span } = layout;
     for y in pieces.start..pieces.end.min(span) {
         let Some(out) = out.get_mut(y) else { return };
-        for (x, out) in rolled_if_spare(out.iter_mut().take(span).enumerate()) {
+        for (x, out) in rolled_if_rare(out.iter_mut().take(span).enumerate()) {
             let mut from = y * stride + x * step;
             *out = 0;
-            for weights in rolled_if_spare(weights.chunks(row.max(1))) {
+            for weights in rolled_if_rare(weights.chunks(row.max(1))) {
                 *out += dot(cells.get(from..).unwrap_or_default(), weights);
                 from += stride;
             }
@@ -37,7 +37,7 @@ pub(crate) fn responses_inline<const N: usize>(
 
 #[inline(always)]
 fn dot(cells: &[i8], weights: &[i16]) -> i32 {
-    rolled_if_spare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
+    rolled_if_rare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
 }
 
 /// Adds the gradient of the error to `sums`: for each weight the sum of `e * x` over all offsets (x under the weight).
@@ -55,10 +55,10 @@ pub(crate) fn gather_inline<const N: usize>(
     for y in pieces.start..pieces.end.min(span) {
         let Some(errors) = errors.get(y) else { return };
         let mut from = y * stride;
-        for sums in rolled_if_spare(sums.chunks_mut(row.max(1))) {
-            for (x, &error) in rolled_if_spare(errors.iter().take(span).enumerate()) {
+        for sums in rolled_if_rare(sums.chunks_mut(row.max(1))) {
+            for (x, &error) in rolled_if_rare(errors.iter().take(span).enumerate()) {
                 let cells = cells.get(from + x * step..).unwrap_or_default();
-                for (sum, &cell) in rolled_if_spare(sums.iter_mut().zip(cells)) {
+                for (sum, &cell) in rolled_if_rare(sums.iter_mut().zip(cells)) {
                     *sum += i32::from(error) * i32::from(cell);
                 }
             }

@@ -5,7 +5,7 @@ use super::super::cut_table::{CutTable, ONE};
 use super::super::scores::{Blocks, Scores};
 #[cfg(smr_swar)]
 use super::super::unrolling::rolled;
-use super::super::unrolling::rolled_if_spare;
+use super::super::unrolling::rolled_if_rare;
 use crate::image::Image;
 #[cfg(smr_swar)]
 use crate::image::Rect;
@@ -75,7 +75,7 @@ pub(crate) fn full(pixels: usize) -> u32 {
 }
 
 fn row_score(patch: &[u8], template: &[u8], table: &CutTable) -> u32 {
-    rolled_if_spare(patch.iter().zip(template)).map(|(&f, &g)| pixel(f, g, table)).sum()
+    rolled_if_rare(patch.iter().zip(template)).map(|(&f, &g)| pixel(f, g, table)).sum()
 }
 
 #[inline]
@@ -91,7 +91,7 @@ pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u3
     let mut sum = 0;
     for y in 0..patch.height().min(template.height()) {
         let pixels = patch.row(y).iter().zip(template.row(y));
-        sum += rolled_if_spare(pixels).map(|(&f, &g)| u32::from(f.abs_diff(g))).sum::<u32>();
+        sum += rolled_if_rare(pixels).map(|(&f, &g)| u32::from(f.abs_diff(g))).sum::<u32>();
         if sum > enough {
             break;
         }
@@ -115,7 +115,7 @@ pub(crate) fn score_between_at_least(
     let mut reachable = most(low, template);
     for y in 0..low.height().min(template.height()) {
         let (low, high, g) = (low.row(y), high.row(y), template.row(y));
-        for ((&low, &high), &g) in rolled_if_spare(low.iter().zip(high).zip(g)) {
+        for ((&low, &high), &g) in rolled_if_rare(low.iter().zip(high).zip(g)) {
             reachable -= u32::from(ONE) - pixel(g.min(high).max(low), g, table);
         }
         if reachable < floor {
@@ -131,9 +131,9 @@ pub(crate) fn score_between_at_least(
 pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     for (column, (to_low, to_high)) in low.iter_mut().zip(high).enumerate() {
         let (mut low, mut high) = (u8::MAX, 0);
-        for row in rolled_if_spare(rows.iter()) {
+        for row in rolled_if_rare(rows.iter()) {
             let Some(pixels) = row.get(column..).and_then(|row| row.first_chunk::<4>()) else { return };
-            for &pixel in rolled_if_spare(pixels.iter()) {
+            for &pixel in rolled_if_rare(pixels.iter()) {
                 (low, high) = (pixel.min(low), pixel.max(high));
             }
         }

@@ -1,6 +1,6 @@
 //! Plain loops on a filter's weights: scaling, quantisation to 16 bits, gradient descent step.
 
-use super::super::unrolling::rolled_if_spare;
+use super::super::unrolling::rolled_if_rare;
 
 /// The largest absolute value of [`number`], rounded toward zero.
 #[inline(always)]
@@ -9,7 +9,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
         number @ 0.. => number.unsigned_abs(),
         _ => number(weight, -factor, (sum << left).wrapping_neg()).cast_unsigned(),
     };
-    rolled_if_spare(weights.iter().zip(sums)).map(size).max().unwrap_or(0)
+    rolled_if_rare(weights.iter().zip(sums)).map(size).max().unwrap_or(0)
 }
 
 /// Quantises each [`number`]: divides by `2^shift` and rounds. The caller chooses `shift` so that it fits in 16 bits.
@@ -18,7 +18,7 @@ pub(crate) fn coded(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift
     // Rounds by the last bit shifted out, because adding half of the divisor could overflow.
     let (first, last) = (shift.saturating_sub(1), shift.min(1));
     let shifted = move |number: i32| ((number >> first) + last.cast_signed()) >> last;
-    rolled_if_spare(weights.iter().zip(sums))
+    rolled_if_rare(weights.iter().zip(sums))
         .map(move |(&weight, &sum)| low(shifted(number(weight, factor, sum << left))))
 }
 
@@ -45,7 +45,7 @@ fn number(weight: i32, factor: i64, sum: i32) -> i32 {
 /// Subtracts `slope * length / 2^back`, rounded, from each weight. A weight that would overflow an `i32` stays.
 #[inline(always)]
 pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) {
-    rolled_if_spare(weights.iter_mut().zip(slopes))
+    rolled_if_rare(weights.iter_mut().zip(slopes))
         .for_each(|(weight, &slope)| *weight = stepped(*weight, slope, length, back));
 }
 

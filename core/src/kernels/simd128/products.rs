@@ -37,7 +37,7 @@ pub(crate) fn responses<const N: usize>(
     weights: &[i16],
     out: &mut [[i32; N]],
 ) {
-    if layout.fits(cells.len(), weights.len()).is_none() {
+    if layout.checked_height(cells.len(), weights.len()).is_none() {
         return plain::responses(pieces, room, spare, cells, layout, weights, out);
     }
     let Layout { stride, step, span, .. } = layout;
@@ -47,7 +47,7 @@ pub(crate) fn responses<const N: usize>(
         let at = |x: usize| cells.as_ptr().wrapping_add(y * stride + x * step);
         let (groups, rest) = out.as_chunks_mut::<AT_ONCE>();
         for (number, group) in groups.iter_mut().enumerate() {
-            // SAFETY: y and all x of the group are below the span, where the filter lies on the cells (`fits`).
+            // SAFETY: y and the x of the group are below the span, where all cells exist (`checked_height`).
             *group = unsafe { responses_at(at(number * AT_ONCE), layout, weights) };
         }
         for (response, x) in rest.iter_mut().zip(groups.len() * AT_ONCE..) {
@@ -95,7 +95,7 @@ pub(crate) fn gather<const N: usize>(
     errors: &[[i16; N]],
     sums: &mut [i32],
 ) {
-    if layout.fits(cells.len(), sums.len()).is_none() || layout.span > N {
+    if layout.checked_height(cells.len(), sums.len()).is_none() || layout.span > N {
         return plain::gather(pieces, room, spare, cells, layout, errors, sums);
     }
     let Layout { row, stride, step, span } = layout;
@@ -105,8 +105,7 @@ pub(crate) fn gather<const N: usize>(
             let cells = cells.as_ptr().wrapping_add((y + down) * stride);
             for (at, mask) in vectors(row) {
                 let sums = sums.as_mut_ptr().wrapping_add(at);
-                // SAFETY: y and all x are below the span, where the filter lies on the cells (`fits`). No vector ends
-                // beyond its row.
+                // SAFETY: y and all x are below the span, where all cells exist. No vector ends beyond its row.
                 unsafe { gather_at(cells.wrapping_add(at), step, mask, errors.get(..span).unwrap_or_default(), sums) }
             }
         }

@@ -1,15 +1,15 @@
 //! Bilinear sampling of a row with one product for each column. The other loops are the plain ones.
 
-use crate::kernels::plain::levels::{MixedRow, Parts};
+use crate::kernels::plain::levels::{MixedRow, SampleWeights};
 use crate::kernels::unrolling::rolled;
 
 pub(crate) use crate::kernels::plain::levels::{deviation, replace};
 
 /// # Safety
-/// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).
+/// Each number in `from` is less than twice [`LEFT_SAMPLES`](crate::kernels::plain::levels::LEFT_SAMPLES).
 #[inline(never)]
-pub(crate) unsafe fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mut [u8]) {
-    for (out, (&from, &Parts([_, part]))) in rolled(out.iter_mut().zip(from.iter().zip(parts))) {
+pub(crate) unsafe fn mix(from: &[u16], parts: &[SampleWeights], row: &MixedRow, out: &mut [u8]) {
+    for (out, (&from, &SampleWeights([_, part]))) in rolled(out.iter_mut().zip(from.iter().zip(parts))) {
         let pair = row.as_ptr().wrapping_byte_add(from.into());
         // SAFETY: the row has a number at each place, and one after the last.
         let [first, second] = [pair, pair.wrapping_add(1)].map(|number| u32::from(unsafe { *number }));

@@ -10,7 +10,7 @@
 
 use crate::kernels::layout::{CHANNELS, Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
-use crate::kernels::three_sums::{BOTH, Pairs, Rows, SUMS, Slide};
+use crate::kernels::three_sums::{BOTH, PairedSizes, Rows, SUMS, Slide};
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
 use crate::kernels::unrolling::in_order;
 use crate::kernels::unrolling::rolled;
@@ -22,7 +22,7 @@ pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 const STEP: usize = CHANNELS;
 
 /// Added to a stored number, so that it is not negative on Armv6-M.
-const MIDDLE: i32 = if cfg!(all(smr_swar, target_arch = "arm")) { 256 } else { 0 };
+const NUMBER_BIAS: i32 = if cfg!(all(smr_swar, target_arch = "arm")) { 256 } else { 0 };
 
 /// Computes filter responses, as [`plain::responses`] specifies. Pieces of work are pairs of rows of cells.
 pub(crate) fn responses<const N: usize>(
@@ -35,15 +35,15 @@ pub(crate) fn responses<const N: usize>(
     out: &mut [[i32; N]],
 ) {
     let Layout { row, stride, span, .. } = layout;
-    let down = layout.fits(cells.len(), weights.len()).unwrap_or(0);
-    let (pairs, across) = (Pairs::new(down, span), row / STEP);
+    let down = layout.checked_height(cells.len(), weights.len()).unwrap_or(0);
+    let (pairs, across) = (PairedSizes::new(down, span), row / STEP);
     let width = across + span.saturating_sub(1);
     let has_room = STEP * width <= PACKED / 2 && pairs.both() * N <= PACKED / 4;
     let fits = down > 0 && span <= N && has_room;
     let (totals, spare) = spare.split_at_mut_checked(pairs.rows_of_factors()).unwrap_or_default();
     let factors = numbers_in(spare).get_mut(..totals.len() * row);
     let (true, Some(factors)) = (fits && !totals.is_empty(), factors) else {
-        return plain::responses(layout.whole(pieces), room, &mut [], cells, layout, weights, out);
+        return plain::responses(layout.all_rows_in_first_piece(pieces), room, &mut [], cells, layout, weights, out);
     };
     if pieces.start == 0 {
         let ((of_cells, _), mut factors) = (weights.as_chunks::<STEP>(), &mut *factors);
@@ -69,7 +69,7 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(pieces, &mut rows, both, out);
 }
 
-/// A row of cells, or the difference of two rows, by channel. `Layout::fits` has checked that all rows exist.
+/// A row of cells, or the difference of two rows, by channel. `Layout::checked_height` has checked that all rows exist.
 struct Differences<'a> {
     cells: *const i8,
     stride: usize,
@@ -104,7 +104,7 @@ impl Rows for Differences<'_> {
     }
 }
 
-/// Writes one channel of `width` cells: `first`, minus `second` if there is one, plus [`MIDDLE`].
+/// Writes one channel of `width` cells: `first`, minus `second` if there is one, plus [`NUMBER_BIAS`].
 ///
 /// # Safety
 /// A byte of each of these cells can be read, and as many numbers written.
@@ -114,13 +114,13 @@ unsafe fn subtract(mut to: *mut i16, width: usize, mut first: *const i8, second:
     if let Some(mut second) = second {
         for _ in rolled(0..width) {
             // SAFETY: a round for each of the `width` cells and numbers.
-            unsafe { *to = low(i32::from(*first) - i32::from(*second) + MIDDLE) };
+            unsafe { *to = low(i32::from(*first) - i32::from(*second) + NUMBER_BIAS) };
             (to, first, second) = (to.wrapping_add(1), first.wrapping_add(STEP), second.wrapping_add(STEP));
         }
     } else {
         for _ in rolled(0..width) {
             // SAFETY: as above.
-            unsafe { *to = low(i32::from(*first) + MIDDLE) };
+            unsafe { *to = low(i32::from(*first) + NUMBER_BIAS) };
             (to, first) = (to.wrapping_add(1), first.wrapping_add(STEP));
         }
     }
@@ -151,16 +151,16 @@ pub(crate) fn gather<const N: usize>(
     sums: &mut [i32],
 ) {
     let Layout { row, stride, span, .. } = layout;
-    let down = layout.fits(cells.len(), sums.len()).unwrap_or(0);
+    let down = layout.checked_height(cells.len(), sums.len()).unwrap_or(0);
     // Errors take the role of factors, and rows of the filter that of offsets.
-    let (pairs, across) = (Pairs::new(span, down), row / STEP);
+    let (pairs, across) = (PairedSizes::new(span, down), row / STEP);
     let width = across + span.saturating_sub(1);
     let rows = |sum| pairs.rows_of(sum) + pairs.offsets_of(sum) - 1;
     let (of_row, numbers) = room.words().split_at_mut_checked(across).unwrap_or_default();
     let has_room = down > 1 && rows(BOTH) * width <= 2 * numbers.len() && span > 1 && span <= N && errors.len() >= span;
     let factors = numbers_in(spare).get_mut(..pairs.rows_of_factors() * span);
     let (true, Some(factors)) = (has_room, factors) else {
-        return plain::gather(layout.whole(pieces), room, spare, cells, layout, errors, sums);
+        return plain::gather(layout.all_rows_in_first_piece(pieces), room, spare, cells, layout, errors, sums);
     };
     if pieces.start == 0 {
         let mut factors = &mut *factors;
@@ -218,8 +218,8 @@ impl Slide<i16> {
     /// `count` factors and `count + sums.len() - 1` numbers of each row can be read. Neither `count` nor `rows` is 0.
     #[inline(never)]
     unsafe fn add(mut self, total: i32, sums: &mut [i32]) {
-        if MIDDLE != 0 {
-            rolled(sums.iter_mut()).for_each(|sum| *sum = sum.wrapping_sub(MIDDLE * total));
+        if NUMBER_BIAS != 0 {
+            rolled(sums.iter_mut()).for_each(|sum| *sum = sum.wrapping_sub(NUMBER_BIAS * total));
         }
         let (mut to, mut left) = (sums.as_mut_ptr(), sums.len());
         while left > 0 {

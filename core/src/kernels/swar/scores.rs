@@ -308,7 +308,7 @@ fn widened_ranges(rows: &[&[u8]; 4], threshold: u32, low: &mut [u8], high: &mut 
         let (least, most) = (least.next(min(a, c)), most.next(LOWER ^ max(b, d)));
         let at = word.wrapping_sub(Minima::DELAY);
         if let (Some(low), Some(high)) = (low.get_mut(at), high.get_mut(at)) {
-            (*low, *high) = (beyond(least, threshold).to_le(), beyond(most, threshold).to_le());
+            (*low, *high) = (saturating_sub(least, threshold).to_le(), saturating_sub(most, threshold).to_le());
         }
     }
 }
@@ -336,7 +336,7 @@ impl Minima {
 
 /// max(a - b, 0) in each byte. Each byte of `a` is at most 127, of `b` at most 128.
 #[inline(always)]
-fn beyond(a: u32, b: u32) -> u32 {
+fn saturating_sub(a: u32, b: u32) -> u32 {
     let difference = (a | TOP) - b;
     let is_beyond = difference & TOP;
     difference & (is_beyond - (is_beyond >> 7))
@@ -344,17 +344,17 @@ fn beyond(a: u32, b: u32) -> u32 {
 
 #[inline(always)]
 fn min(a: u32, b: u32) -> u32 {
-    a - beyond(a, b)
+    a - saturating_sub(a, b)
 }
 
 #[inline(always)]
 fn max(a: u32, b: u32) -> u32 {
-    b + beyond(a, b)
+    b + saturating_sub(a, b)
 }
 
 #[inline(always)]
 fn sorted(a: u32, b: u32) -> (u32, u32) {
-    let beyond = beyond(a, b);
+    let beyond = saturating_sub(a, b);
     (a - beyond, b + beyond)
 }
 

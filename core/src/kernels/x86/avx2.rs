@@ -33,7 +33,7 @@ impl Vector for __m256i {
             if WHOLE > 0 { generic::last::<Self, WHOLE>(row, width) } else { halves(slice::from_raw_parts(row, width)) }
         }
         fn or(a: Self, b: Self) -> Self { _mm256_or_si256(a, b) }
-        fn beyond(a: Self, b: Self) -> Self { _mm256_subs_epu8(a, b) }
+        fn saturating_sub(a: Self, b: Self) -> Self { _mm256_subs_epu8(a, b) }
         fn minus(a: Self, b: Self) -> Self { _mm256_sub_epi8(a, b) }
         fn is_above(a: Self, b: Self) -> Self { _mm256_cmpgt_epi8(a, b) }
         fn add(total: Self, bytes: Self) -> Self { Self::add_distance(total, bytes, _mm256_setzero_si256()) }
@@ -54,7 +54,7 @@ impl Neighbours for __m256i {
         fn max(a: Self, b: Self) -> Self { _mm256_max_epu8(a, b) }
         fn raised(a: Self, b: Self) -> Self { _mm256_adds_epu8(a, b) }
         // 0x81 copies the upper half to the lower half and zeroes the upper half.
-        fn further<const BY: i32>(bytes: Self) -> Self {
+        fn shift_down<const BY: i32>(bytes: Self) -> Self {
             _mm256_alignr_epi8::<BY>(_mm256_permute2x128_si256::<0x81>(bytes, bytes), bytes)
         }
     }

@@ -37,7 +37,7 @@ impl Vector for __m128i {
             if WHOLE > 0 { generic::last::<Self, WHOLE>(row, width) } else { narrow(slice::from_raw_parts(row, width)) }
         }
         fn or(a: Self, b: Self) -> Self { _mm_or_si128(a, b) }
-        fn beyond(a: Self, b: Self) -> Self { _mm_subs_epu8(a, b) }
+        fn saturating_sub(a: Self, b: Self) -> Self { _mm_subs_epu8(a, b) }
         fn minus(a: Self, b: Self) -> Self { _mm_sub_epi8(a, b) }
         fn is_above(a: Self, b: Self) -> Self { _mm_cmpgt_epi8(a, b) }
         fn add(total: Self, bytes: Self) -> Self { Self::add_distance(total, bytes, _mm_setzero_si128()) }
@@ -57,7 +57,7 @@ impl Neighbours for __m128i {
         fn min(a: Self, b: Self) -> Self { _mm_min_epu8(a, b) }
         fn max(a: Self, b: Self) -> Self { _mm_max_epu8(a, b) }
         fn raised(a: Self, b: Self) -> Self { _mm_adds_epu8(a, b) }
-        fn further<const BY: i32>(bytes: Self) -> Self { _mm_srli_si128::<BY>(bytes) }
+        fn shift_down<const BY: i32>(bytes: Self) -> Self { _mm_srli_si128::<BY>(bytes) }
     }
 }
 

@@ -19,7 +19,7 @@
 //! | `sel`, `usada8` | adds one for each pixel outside |
 
 use super::super::points::{OFFSETS, Points};
-use super::words::{LANES, Row, entry, in_lanes, words};
+use super::words::{LANES, Row, entry_offset, in_lanes, words};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
@@ -28,7 +28,7 @@ use core::arch::asm;
 struct Memory {
     row: Row,
     words: usize,
-    /// Points of a row of equal pixels (in [`spare`]), or the result of [`entry`] (in [`misses`]).
+    /// The points of a row of equal pixels for [`point_margins`], the [`entry_offset`] for [`outside_ranges`].
     own: usize,
 }
 
@@ -64,13 +64,13 @@ macro_rules! points_of_word {
 /// # Safety
 /// The template has at least four columns, the patch as many and three more.
 #[inline(never)]
-pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
-    // Here `none` is a mask, not a number of bits: 255 in the bytes of the last word that have been counted before.
+pub(super) unsafe fn point_margins(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
+    // Here `skipped_bits` is a mask: 255 in the bytes of the last word that have been counted before.
     let mut row = Row::of(pair);
-    row.none = u32::MAX >> (8 * (pair.width % LANES));
+    row.skipped_bits = u32::MAX >> (8 * (pair.width % LANES));
     let memory = Memory { row, words: words(pair), own: Points::of_row(pair) as usize };
-    let mut spare = Points::spare(pair, needed, wanted);
-    let [a, b, c, d] = &mut spare;
+    let mut margins = Points::initial_margins(pair, needed, wanted);
+    let [a, b, c, d] = &mut margins;
     // SAFETY: only words within a row are read, in the patch up to three columns further. Only the stack is written.
     unsafe {
         asm!(
@@ -131,11 +131,11 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
             d = inout(reg) *d,
         );
     }
-    spare
+    margins
 }
 
-/// Bytes of code for one word in [`misses`].
-const MISSES_WORD: usize = 28;
+/// Bytes of code for one word in [`outside_ranges`].
+const CODE_OF_A_WORD: usize = 28;
 
 /// Counts the pixels in `{g}` outside the ranges with the lower ends `{l}` and the lengths `{s}`.
 macro_rules! outside {
@@ -153,8 +153,8 @@ macro_rules! outside_word {
 /// # Safety
 /// The pictures have at least four columns. Patch and upper bound have the same stride.
 #[inline(never)]
-pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
-    let mut memory = Memory { row: Row::of(pair), words: words(pair), own: entry(pair, MISSES_WORD) };
+pub(super) unsafe fn outside_ranges(pair: &Rows, allowed: u32) -> u32 {
+    let mut memory = Memory { row: Row::of(pair), words: words(pair), own: entry_offset(pair, CODE_OF_A_WORD) };
     // Start of a count that reaches 0 once more than `allowed` pixels, of at most 65537, are outside.
     let start = !allowed.cast_signed();
     let mut sum = start;

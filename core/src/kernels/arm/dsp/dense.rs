@@ -27,7 +27,7 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
     let (mut from, mut to, mut left) = (patches.as_ptr(), out.as_mut_ptr(), number);
     while left > 0 {
         let last = to.wrapping_add(count - OUTPUTS);
-        let mut run = Run { biases: biases.as_ptr(), from, apart: 0, out: to, shift, last };
+        let mut run = RemainingOutputs { biases: biases.as_ptr(), from, apart: 0, out: to, shift, last };
         if left > 1 && inputs <= 4 * room.len() {
             // SAFETY: there are two patches of `inputs` bytes, and the room is for them.
             unsafe { unpack(from, inputs, room.as_mut_ptr().cast()) };
@@ -74,7 +74,7 @@ unsafe fn unpack(patches: *const i8, inputs: usize, room: *mut u32) {
 
 /// Remaining outputs of one patch or two. The assembly reads and updates this.
 #[repr(C)]
-struct Run {
+struct RemainingOutputs {
     biases: *const [u8; 4],
     /// The unpacked patches, or the only patch.
     from: *const i8,
@@ -108,7 +108,7 @@ macro_rules! turn {
     };
 }
 
-impl Run {
+impl RemainingOutputs {
     /// Computes all outputs, two at a time. The last two may overlap those before them.
     ///
     /// # Safety

@@ -1,7 +1,7 @@
 //! Gray levels of a row by the DSP extension: four pixels or one bilinear sample at a time.
 
 use super::words::{LANES, in_lanes};
-use crate::kernels::plain::levels::{MixedRow, Parts};
+use crate::kernels::plain::levels::{MixedRow, SampleWeights};
 use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 
@@ -83,9 +83,9 @@ macro_rules! columns {
 /// signed numbers, so 2^15 is subtracted from the numbers of a row.
 ///
 /// # Safety
-/// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).
+/// Each number in `from` is less than twice [`LEFT_SAMPLES`](crate::kernels::plain::levels::LEFT_SAMPLES).
 #[inline(always)]
-pub(crate) unsafe fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mut [u8]) {
+pub(crate) unsafe fn mix(from: &[u16], parts: &[SampleWeights], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());
     // SAFETY: each slice has `count` numbers. Each number in `from` is the place of a pair, at any alignment. Parts are
     // words.

@@ -12,7 +12,7 @@
 
 use crate::kernels::layout::{CHANNELS, Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
-use crate::kernels::three_sums::{BOTH, Pairs, Rows, SUMS, Slide};
+use crate::kernels::three_sums::{BOTH, PairedSizes, Rows, SUMS, Slide};
 use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 use core::ops::Range;
@@ -35,12 +35,12 @@ pub(crate) fn responses<const N: usize>(
     out: &mut [[i32; N]],
 ) {
     let Layout { row, stride, span, .. } = layout;
-    let down = layout.fits(cells.len(), weights.len()).unwrap_or(0);
-    let (pairs, width, of_row) = (Pairs::new(down, span), row / STEP + span.saturating_sub(1), row / 2);
+    let down = layout.checked_height(cells.len(), weights.len()).unwrap_or(0);
+    let (pairs, width, of_row) = (PairedSizes::new(down, span), row / STEP + span.saturating_sub(1), row / 2);
     let fits = down > 0 && row >= LEAST * STEP && span <= N && out.len() >= span;
     let room_for = width * PAIRS + pairs.both() * N;
     if !fits || room_for > PACKED / 2 || pairs.rows_of_factors() * of_row > spare.len() {
-        return plain::responses(layout.whole(pieces), room, spare, cells, layout, weights, out);
+        return plain::responses(layout.all_rows_in_first_piece(pieces), room, spare, cells, layout, weights, out);
     }
     if pieces.start == 0 {
         for number in 0..pairs.rows_of_factors() {
@@ -58,7 +58,7 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(pieces, &mut rows, both, out);
 }
 
-/// A row of cells, unpacked, and rows of factors that multiply it. `Layout::fits` has checked that all rows exist.
+/// A row of cells, unpacked, and rows of factors that multiply it. `checked_height` has checked that all rows exist.
 struct Unpacked {
     cells: *const i8,
     stride: usize,
@@ -242,14 +242,14 @@ pub(crate) fn gather<const N: usize>(
     sums: &mut [i32],
 ) {
     let Layout { row, stride, span, .. } = layout;
-    let down = layout.fits(cells.len(), sums.len()).unwrap_or(0);
-    let (by_two, across) = (Pairs::new(span, down), row / STEP);
+    let down = layout.checked_height(cells.len(), sums.len()).unwrap_or(0);
+    let (by_two, across) = (PairedSizes::new(span, down), row / STEP);
     let width = across + span.saturating_sub(1);
     let (factors, numbers) = room.words().split_at_mut_checked((by_two.rows_of(0) + 1) * span).unwrap_or_default();
     let fits = down > 0 && span >= LEAST && span <= N && errors.len() >= span;
     let has_room = (by_two.rows_of(0) + by_two.offsets_of(0)) / 2 * width <= numbers.len();
     let (true, Some(of_row)) = (fits && has_room, spare.get_mut(..across)) else {
-        return plain::gather(layout.whole(pieces), room, spare, cells, layout, errors, sums);
+        return plain::gather(layout.all_rows_in_first_piece(pieces), room, spare, cells, layout, errors, sums);
     };
     let (numbers, sums) = (numbers.as_mut_ptr(), sums.as_mut_ptr());
     for piece in pieces.start..pieces.end.min(SUMS * STEP) {

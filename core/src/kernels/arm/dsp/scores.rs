@@ -25,8 +25,8 @@ impl Loops for Dsp {
     const NARROWEST: usize = LANES;
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32 = reachable;
     const DISTANCE: unsafe fn(&Rows, u32) -> u32 = distance;
-    const MISSES: unsafe fn(&Rows, u32) -> u32 = bounds::misses;
-    const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS] = bounds::spare;
+    const OUTSIDE_RANGES: unsafe fn(&Rows, u32) -> u32 = bounds::outside_ranges;
+    const POINT_MARGINS: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS] = bounds::point_margins;
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]) = ranges;
 }
 

@@ -17,7 +17,7 @@ pub(super) struct Row {
     /// Offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
     last: usize,
     /// Number of low bits in the word at `last` that belong to earlier columns.
-    pub(super) none: u32,
+    pub(super) skipped_bits: u32,
     end: *const u8,
 }
 
@@ -31,7 +31,7 @@ impl Row {
             f_stride: pair.patch_stride.wrapping_sub(words),
             g_stride: pair.template_stride.wrapping_sub(words),
             last: if left == 0 { 0 } else { pair.width - LANES },
-            none: 8 * (LANES - left) as u32,
+            skipped_bits: 8 * (LANES - left) as u32,
             end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
         }
     }
@@ -46,6 +46,6 @@ pub(super) fn words(pair: &Rows) -> usize {
 /// Byte offset at which the loop over a row, unrolled to four words, is entered: the first round may have fewer words.
 /// `bytes` is the code size of a word.
 #[inline(always)]
-pub(super) fn entry(pair: &Rows, bytes: usize) -> usize {
+pub(super) fn entry_offset(pair: &Rows, bytes: usize) -> usize {
     (pair.width / LANES).wrapping_neg() % 4 * bytes
 }

@@ -22,10 +22,10 @@ macro_rules! points {
 /// # Safety
 /// The patch has three more columns than the template.
 #[inline(never)]
-pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
+pub(super) unsafe fn point_margins(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
     let [f_stride, g_stride] = strides(pair, LANES);
-    let mut spare = Points::spare(pair, needed, wanted);
-    let [a, b, c, d] = &mut spare;
+    let mut margins = Points::initial_margins(pair, needed, wanted);
+    let [a, b, c, d] = &mut margins;
     // SAFETY: only the `width` pixels of a row are read, in the patch up to three columns further. Nothing is written.
     unsafe {
         asm!(
@@ -69,13 +69,13 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
             options(readonly, nostack),
         );
     }
-    spare
+    margins
 }
 
 /// # Safety
 /// Patch and upper bound have the same stride.
 #[inline(never)]
-pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
+pub(super) unsafe fn outside_ranges(pair: &Rows, allowed: u32) -> u32 {
     let [low_stride, g_stride] = strides(pair, LANES);
     let misses: u32;
     // SAFETY: only the `width` pixels of a row are read. Nothing is written.

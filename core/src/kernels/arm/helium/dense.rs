@@ -24,7 +24,7 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
     while left > 0 {
         // Without a second patch the first one is computed twice.
         let second = usize::from(left > 1);
-        let mut run = Run {
+        let mut run = RemainingOutputs {
             biases: biases.as_ptr(),
             inputs,
             patches: [from, from.wrapping_add(second * inputs)],
@@ -64,7 +64,7 @@ pub(crate) fn copy(from: &[i8], to: &mut [i8]) {
 
 /// Remaining outputs of two patches. The assembly reads and updates this.
 #[repr(C)]
-struct Run {
+struct RemainingOutputs {
     biases: *const [u8; 4],
     inputs: usize,
     patches: [*const i8; 2],
@@ -77,7 +77,7 @@ struct Run {
     last: *mut i8,
 }
 
-impl Run {
+impl RemainingOutputs {
     /// Computes all outputs, three at a time. The last three may overlap those before them.
     ///
     /// # Safety

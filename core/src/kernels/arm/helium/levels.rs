@@ -1,6 +1,6 @@
 //! Gray levels of a row by Helium: 16 pixels or four bilinear samples at a time.
 
-use crate::kernels::plain::levels::{MixedRow, Parts};
+use crate::kernels::plain::levels::{MixedRow, SampleWeights};
 use core::arch::asm;
 
 #[inline(always)]
@@ -61,9 +61,9 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
 }
 
 /// # Safety
-/// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).
+/// Each number in `from` is less than twice [`LEFT_SAMPLES`](crate::kernels::plain::levels::LEFT_SAMPLES).
 #[inline(always)]
-pub(crate) unsafe fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mut [u8]) {
+pub(crate) unsafe fn mix(from: &[u16], parts: &[SampleWeights], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());
     if count == 0 {
         return;

@@ -25,8 +25,9 @@ pub(crate) fn responses<const N: usize>(
     out: &mut [[i32; N]],
 ) {
     let Layout { row, stride, step, span } = layout;
-    let Some(down) =
-        layout.fits(cells.len(), weights.len()).filter(|_| span <= N && out.len() >= span && span % 2 == 1 && span > 1)
+    let Some(down) = layout
+        .checked_height(cells.len(), weights.len())
+        .filter(|_| span <= N && out.len() >= span && span % 2 == 1 && span > 1)
     else {
         return plain::responses(pieces, room, spare, cells, layout, weights, out);
     };
@@ -45,7 +46,7 @@ pub(crate) fn responses<const N: usize>(
             };
             x = x.min(span - width);
             let (cells, weights) = (from.wrapping_add(x * step), weights.as_ptr());
-            // SAFETY: `fits` has checked that the cells suffice at these offsets, all of which are below `span`.
+            // SAFETY: `checked_height` found enough cells for these offsets, all of which are below `span`.
             let sums = unsafe {
                 match width {
                     3 => rows.three::<STEP>(cells, weights, down),
@@ -305,10 +306,10 @@ pub(crate) fn gather<const N: usize>(
     let room_for = |&down: &usize| {
         span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + MOST <= size_of_val(room)
     };
-    let fitting = layout.fits(cells.len(), sums.len()).filter(room_for);
+    let fitting = layout.checked_height(cells.len(), sums.len()).filter(room_for);
     let (of_cells, _) = sums.as_chunks_mut::<STEP>();
     let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len() + MOST)) else {
-        return plain::gather(layout.whole(pieces), room, spare, cells, layout, errors, sums);
+        return plain::gather(layout.all_rows_in_first_piece(pieces), room, spare, cells, layout, errors, sums);
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
@@ -317,7 +318,7 @@ pub(crate) fn gather<const N: usize>(
     let block = if 9 * across.div_ceil(MOST) <= 8 * across.div_ceil(6) { MOST } else { 6 };
     for channel in pieces.start..pieces.end.min(STEP) {
         let plane = room.0.as_mut_ptr().cast::<i8>();
-        // SAFETY: one byte of each cell under the filter is read. `fits` and `room_for` have checked cells and room.
+        // SAFETY: reads one byte of each cell under the filter. `checked_height` and `room_for` checked cells and room.
         unsafe { side_by_side(cells.as_ptr().wrapping_add(channel), plane, count(down)) };
         for y in 0..down {
             let mut x = 0;

@@ -167,7 +167,7 @@ impl Lattice {
     }
 }
 
-const _: () = assert!(ROW < Interpolation::<COLUMNS>::PLACES);
+const _: () = assert!(ROW < Interpolation::<COLUMNS>::LEFT_SAMPLES);
 
 /// The state of sampling: the lattice on the reduced frame, and two rows of that frame.
 pub(crate) struct Sampling {
@@ -203,7 +203,7 @@ impl Sampling {
             rows: 0,
             read: 0,
             sampled: 0,
-            mixed: [0; Interpolation::<COLUMNS>::PLACES + 4],
+            mixed: [0; Interpolation::<COLUMNS>::LEFT_SAMPLES + 4],
         }
     }
 
