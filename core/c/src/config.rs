@@ -139,7 +139,7 @@ same! {
 }
 
 /// Converts between a configuration of `smr-core` and its struct in C. The fields after the semicolon are booleans.
-macro_rules! numbers {
+macro_rules! convert_config {
     ($core:ty, $c:ident { $($number:ident),+; $($switch:ident),* }) => {
         impl From<&$core> for $c {
             fn from(of: &$core) -> Self {
@@ -156,12 +156,12 @@ macro_rules! numbers {
     };
 }
 
-numbers! { paper::Config, smr_paper_config {
+convert_config! { paper::Config, smr_paper_config {
     k, gate_tracking, gate_leaving, gate_returning, gate_lost, gate_lead, least_ratio, first_threshold,
     least_threshold, padding, window, growth, window_limit, neighbourhood, update_zone; runner_up_always
 }}
 
-numbers! { robust::Config, smr_robust_config {
+convert_config! { robust::Config, smr_robust_config {
     reach, patience, lost_below, uncertain_below, learning_rate, early_rate, sweep; size, refiner
 }}
 

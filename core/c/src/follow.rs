@@ -5,13 +5,13 @@ use crate::capacity::ALIGNMENT;
 use crate::config::smr_config;
 use crate::frame::{smr_frame, smr_rect};
 use crate::pointer::{self, Out};
-use crate::setting::given;
+use crate::setting::deref;
 use crate::status::{
     SMR_ERROR_BOX_EMPTY, SMR_ERROR_BOX_OUTSIDE_FRAME, SMR_ERROR_MISALIGNED, SMR_ERROR_NOT_LOCKED,
     SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, SMR_ERROR_STORAGE_TOO_SMALL, SMR_ERROR_WORKSPACE_TOO_SMALL, smr_status,
     status_of,
 };
-use crate::tracker::{Event, Known, ask, borrow, each, smr_tracker, whole, with_frame};
+use crate::tracker::{Event, Known, borrow, each, repeat_until_done, smr_tracker, with_frame, write_result};
 use core::ffi::c_void;
 use core::ptr;
 use smr_core::{Rect, Target};
@@ -23,7 +23,7 @@ use smr_core::{Rect, Target};
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_target_size(config: *const smr_config) -> usize {
     // SAFETY: as the header demands of the caller.
-    unsafe { given(config) }.map_or(0, |(_, method)| method.target_size)
+    unsafe { deref(config) }.map_or(0, |(_, method)| method.target_size)
 }
 
 /// The bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE as it was built.
@@ -33,7 +33,7 @@ pub unsafe extern "C" fn smr_target_size(config: *const smr_config) -> usize {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_workspace_size(config: *const smr_config) -> usize {
     // SAFETY: as the header demands of the caller.
-    unsafe { given(config) }.map_or(0, |(_, method)| method.workspace_size)
+    unsafe { deref(config) }.map_or(0, |(_, method)| method.workspace_size)
 }
 
 /// Constructs a tracker in the caller's memory. It has no target before #smr_lock.
@@ -87,7 +87,7 @@ unsafe fn init(
         return Err(SMR_ERROR_MISALIGNED);
     }
     // SAFETY: as the caller ensures.
-    let (config, method) = unsafe { given(config)? };
+    let (config, method) = unsafe { deref(config)? };
     if storage_size < method.target_size {
         return Err(SMR_ERROR_STORAGE_TOO_SMALL);
     }
@@ -123,7 +123,7 @@ pub unsafe extern "C" fn smr_lock_window(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        ask(tracker, window, |tracker| {
+        write_result(tracker, window, |tracker| {
             let bbox = Rect::from(pointer::read(bbox)?);
             let window = tracker.lock_window(Rect::new(0, 0, width, height), bbox);
             match (bbox.is_empty(), window.is_empty()) {
@@ -156,7 +156,7 @@ pub unsafe extern "C" fn smr_lock(
         with_frame(tracker, frame, |tracker, frame| {
             let bbox = pointer::read(bbox)?.into();
             tracker.cancel();
-            whole(|| tracker.lock_step(frame, &bbox, u32::MAX))
+            repeat_until_done(|| tracker.lock_step(frame, &bbox, u32::MAX))
         })
     })
 }
@@ -206,7 +206,7 @@ pub unsafe extern "C" fn smr_update(
         with_frame(tracker, frame, |tracker, frame| {
             let out = Out::new(answer)?;
             tracker.cancel();
-            whole(|| tracker.update_step(frame, u32::MAX, &out))
+            repeat_until_done(|| tracker.update_step(frame, u32::MAX, &out))
         })
     })
 }
@@ -250,7 +250,7 @@ pub unsafe extern "C" fn smr_update_step(
 pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut smr_rect) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        ask(tracker, windows.cast::<[smr_rect; 2]>(), |tracker| {
+        write_result(tracker, windows.cast::<[smr_rect; 2]>(), |tracker| {
             let window = tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?;
             Ok([window, tracker.sweep_window().unwrap_or_default()].map(Into::into))
         })
@@ -271,6 +271,6 @@ pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: 
     status_of(unsafe { borrow(tracker) }.map(|tracker| {
         tracker.cancel();
         each!(tracker.known(), target => target.moved(right, down));
-        tracker.tell(&Event::Moved(right, down));
+        tracker.record(&Event::Moved(right, down));
     }))
 }

@@ -92,11 +92,11 @@ impl Method for Robust {
 #[repr(C)] // the handle comes first: its address is that of the storage
 struct Stored<T: Method> {
     handle: smr_tracker,
-    held: Held<T>,
+    own: OwnTracker<T>,
 }
 
 /// A target, and the address of its workspace.
-struct Held<T: Method> {
+struct OwnTracker<T: Method> {
     workspace: *mut Scratch<T>,
     target: T,
 }
@@ -106,7 +106,7 @@ struct Held<T: Method> {
 struct Scratch<T: Method> {
     /// [`Scratch::mark_of`] the workspace's address. Any other value shows memory that is no workspace of this tracker.
     mark: usize,
-    /// The address of the [`Held`] target that used the workspace last. Only its call in steps may continue.
+    /// The address of the [`OwnTracker`] target that used the workspace last. Only its call in steps may continue.
     owner: usize,
     workspace: T::Workspace,
 }
@@ -140,10 +140,10 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
     T::check_config(&config)?;
     // SAFETY: the caller ensures that there is memory for both. Each field is written in place.
     unsafe {
-        (&raw mut (*storage).held.target).write(T::EMPTY);
-        (*storage).held.target.set_config(config);
-        (&raw mut (*storage).held.workspace).write(workspace);
-        (&raw mut (*storage).handle).write(smr_tracker::new(storage.cast(), &raw mut (*storage).held));
+        (&raw mut (*storage).own.target).write(T::EMPTY);
+        (*storage).own.target.set_config(config);
+        (&raw mut (*storage).own.workspace).write(workspace);
+        (&raw mut (*storage).handle).write(smr_tracker::new(storage.cast(), &raw mut (*storage).own));
         (&raw mut (*workspace).workspace).write(T::EMPTY_WORKSPACE);
         (&raw mut (*workspace).owner).write(0);
         (&raw mut (*workspace).mark).write(Scratch::mark_of(workspace));
@@ -151,9 +151,9 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
     Ok(())
 }
 
-impl<T: Method> Held<T> {
+impl<T: Method> OwnTracker<T> {
     /// The workspace; `None` if its memory was overwritten.
-    fn marked(&self) -> Option<NonNull<Scratch<T>>> {
+    fn workspace(&self) -> Option<NonNull<Scratch<T>>> {
         let workspace = self.workspace;
         // SAFETY: `make` wrote this address, and its caller ensures that the memory stays. Only the mark is read: any
         // bytes are a usize.
@@ -167,7 +167,7 @@ impl<T: Method> Held<T> {
     #[inline(never)] // one copy in flash
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
         let owner = ptr::from_ref(self).addr();
-        let mut scratch = self.marked().ok_or(SMR_ERROR_NOT_INITIALISED)?;
+        let mut scratch = self.workspace().ok_or(SMR_ERROR_NOT_INITIALISED)?;
         // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody
         // else uses it.
         let Scratch { owner: last, workspace, .. } = unsafe { scratch.as_mut() };
@@ -184,14 +184,14 @@ fn conclude<T: Method>(target: &mut T, workspace: &mut T::Workspace, frame: &Fra
     out.write(calls::commit(target, workspace, frame).into());
 }
 
-impl<T: Method> Tracked for Held<T> {
+impl<T: Method> Tracked for OwnTracker<T> {
     fn known(&mut self) -> Known<'_> {
         self.target.known()
     }
 
     fn memory(&self) -> [Range<usize>; 2] {
         let smr_method { target_size, workspace_size, .. } = T::METHOD;
-        let storage = ptr::from_ref(self).addr() - offset_of!(Stored<T>, held);
+        let storage = ptr::from_ref(self).addr() - offset_of!(Stored<T>, own);
         [storage..storage + target_size, pointer::range(self.workspace, workspace_size)]
     }
 
@@ -228,7 +228,7 @@ impl<T: Method> Tracked for Held<T> {
     #[cfg(feature = "unstable")]
     fn work(&self) -> Result<u32, smr_status> {
         // SAFETY: as for `parts`; nobody writes the workspace while the result lives.
-        Ok(T::work(unsafe { &self.marked().ok_or(SMR_ERROR_NOT_INITIALISED)?.as_ref().workspace }))
+        Ok(T::work(unsafe { &self.workspace().ok_or(SMR_ERROR_NOT_INITIALISED)?.as_ref().workspace }))
     }
 
     fn cancel(&mut self) {

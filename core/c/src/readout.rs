@@ -89,7 +89,7 @@ impl smr_readout {
     ///
     /// # Safety
     /// [`Self::read`] has checked `to`.
-    unsafe fn note(to: *mut Self, next: u16, result: Result<(), ReadoutError>) -> Result<(), smr_status> {
+    unsafe fn store_progress(to: *mut Self, next: u16, result: Result<(), ReadoutError>) -> Result<(), smr_status> {
         use ReadoutError::{LineMissing, LineOutOfOrder, LineOutsideFrame, LineTooShort};
         compiler_fence(Ordering::Release);
         // SAFETY: `read` has checked the pointer.
@@ -109,7 +109,7 @@ impl smr_readout {
     }
 
     /// Converts to the readout of `smr-core`. Does not touch the pixels, which another call may be writing.
-    fn open(&self) -> Result<Readout, smr_status> {
+    fn core_readout(&self) -> Result<Readout, smr_status> {
         let ([first, second], format) = (self.windows.map(Rect::from), self.format()?);
         pointer::check_bytes(self.pixels, self.size, &[0..0, 0..0])?;
         let mut readout = Readout::new(format, (self.columns, self.lines), first)?;
@@ -123,7 +123,7 @@ impl smr_readout {
         Ok(readout)
     }
 
-    /// The windows as parts of a frame, one after the other in `pixels`. `open` has checked them.
+    /// The windows as parts of a frame, one after the other in `pixels`. `core_readout` has checked them.
     fn parts(&self) -> [smr_part; 2] {
         let [first, second] = self.windows.map(Rect::from);
         let first = smr_part::of(self.pixels, first);
@@ -162,7 +162,7 @@ pub unsafe extern "C" fn smr_readout_begin(
         // SAFETY: as the header demands of the caller.
         let (readout, windows) = unsafe { (Out::new(readout)?, pointer::read(windows.cast::<[smr_rect; 2]>())?) };
         let begun = smr_readout { format, columns, lines, next: 0, line: 0, windows, pixels, size };
-        begun.open()?;
+        begun.core_readout()?;
         readout.write(begun);
         Ok(())
     };
@@ -188,7 +188,7 @@ pub unsafe extern "C" fn smr_readout_line(
     size: usize,
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { pushed(readout, bytes, size, |readout, bytes, pixels| readout.push_line(y, bytes, pixels)) })
+    status_of(unsafe { convert(readout, bytes, size, |readout, bytes, pixels| readout.push_line(y, bytes, pixels)) })
 }
 
 /// Converts all lines of a frame in memory. Not for interrupts: it takes as long as all its lines.
@@ -207,7 +207,7 @@ pub unsafe extern "C" fn smr_readout_lines(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        pushed(readout, bytes, size, |readout, bytes, pixels| readout.push_frame(bytes, stride, pixels))
+        convert(readout, bytes, size, |readout, bytes, pixels| readout.push_frame(bytes, stride, pixels))
     })
 }
 
@@ -215,7 +215,7 @@ pub unsafe extern "C" fn smr_readout_lines(
 ///
 /// # Safety
 /// As the header demands of the caller of #smr_readout_line.
-unsafe fn pushed(
+unsafe fn convert(
     to: *mut smr_readout,
     bytes: *const u8,
     size: usize,
@@ -224,7 +224,7 @@ unsafe fn pushed(
     // SAFETY: as the caller ensures.
     let begun = unsafe { smr_readout::read(to)? };
     pointer::check_bytes(bytes, size, &[pointer::range(begun.pixels, begun.size), 0..0])?;
-    let mut readout = begun.open()?;
+    let mut readout = begun.core_readout()?;
     // Once the windows are complete, the tracker may be reading them, and no later line writes to them.
     let room = if readout.is_complete() { 0 } else { begun.size };
     // SAFETY: as the caller ensures; the line is outside the windows' memory.
@@ -233,7 +233,7 @@ unsafe fn pushed(
         push(&mut readout, bytes, pixels)
     };
     // SAFETY: `to` was read.
-    unsafe { smr_readout::note(to, readout.next, result) }
+    unsafe { smr_readout::store_progress(to, readout.next, result) }
 }
 
 /// Fills a frame for #smr_lock and #smr_update once all lines of the windows have come. See #smr_readout on interrupts.
@@ -247,7 +247,7 @@ pub unsafe extern "C" fn smr_readout_frame(readout: *const smr_readout, frame: *
     let fill = || {
         // SAFETY: as the header demands of the caller.
         let (begun, frame) = unsafe { (smr_readout::read(readout)?, Out::new(frame)?) };
-        if !begun.open()?.is_complete() {
+        if !begun.core_readout()?.is_complete() {
             return Err(SMR_ERROR_LINE_MISSING);
         }
         let (width, height) = begun.format()?.gray_size((begun.columns, begun.lines));

@@ -52,7 +52,7 @@ pub unsafe extern "C" fn smr_record(tracker: *mut smr_tracker, recorder: *mut sm
             }
             *recorder = smr_recorder { entries: 0, failed: 0, under_way: 0, tracker, ..*recorder };
             (*tracker).send_to(recorder);
-            (*recorder).tell(&Event::Begin);
+            (*recorder).record(&Event::Begin);
             Ok(())
         })
     })
@@ -82,18 +82,18 @@ impl Tracked for smr_recorder {
     fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: u32) -> Result<(), smr_status> {
         self.under_way = 0;
         self.own().lock_step(frame, bbox, work)?;
-        self.tell(&Event::Lock(frame, *bbox));
+        self.record(&Event::Lock(frame, *bbox));
         Ok(())
     }
 
     fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status> {
         if self.under_way == 0 {
-            self.tell(&Event::Window(frame));
+            self.record(&Event::Window(frame));
         }
         let result = self.own().update_step(frame, work, out);
         self.under_way = (result == Err(SMR_UNDER_WAY)).into();
         if result.is_ok() {
-            self.tell(&Event::Answer(out));
+            self.record(&Event::Answer(out));
         }
         result
     }
@@ -103,7 +103,7 @@ impl Tracked for smr_recorder {
         self.own().cancel();
     }
 
-    fn tell(&mut self, event: &Event<'_>) {
+    fn record(&mut self, event: &Event<'_>) {
         let own = self.own();
         let (Some(write), 0) = (self.write, self.failed) else { return };
         let context = self.context;

@@ -127,7 +127,7 @@ pub unsafe extern "C" fn smr_set(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller: a string, and `count` values.
     status_of(unsafe {
-        given(config).and_then(|(now, method)| {
+        deref(config).and_then(|(now, method)| {
             pointer::check(name)?;
             pointer::check(values)?;
             if count > 4 {
@@ -161,7 +161,7 @@ pub unsafe extern "C" fn smr_setting_at(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        given(config).and_then(|(config, method)| {
+        deref(config).and_then(|(config, method)| {
             let out = Out::new(setting)?;
             out.write(if method.is_paper { at(&config.paper(), index)? } else { at(&config.robust(), index)? });
             Ok(())
@@ -199,7 +199,7 @@ pub(crate) fn name_in_c(name: &str) -> *const c_char {
 ///
 /// # Safety
 /// A `config` that passes `pointer::check` points to one that outlives the result. Its method is NULL or from a preset.
-pub(crate) unsafe fn given<'a>(config: *const smr_config) -> Result<(&'a smr_config, &'static smr_method), smr_status> {
+pub(crate) unsafe fn deref<'a>(config: *const smr_config) -> Result<(&'a smr_config, &'static smr_method), smr_status> {
     pointer::check(config)?;
     // SAFETY: as the caller ensures.
     let config = unsafe { &*config };

@@ -130,7 +130,7 @@ pub(crate) fn status_of(result: Result<(), smr_status>) -> smr_status {
 }
 
 /// Converts the errors of smr-core to statuses.
-macro_rules! called {
+macro_rules! statuses_of_errors {
     ($($error:ident { $($reason:ident => $status:ident),+ $(, ..$rest:tt)? })+) => {
         $(impl From<$error> for smr_status {
             fn from(error: $error) -> Self {
@@ -143,7 +143,7 @@ macro_rules! called {
     };
 }
 
-called! {
+statuses_of_errors! {
     ImageError {
         Empty => SMR_ERROR_FRAME_EMPTY,
         StrideTooSmall => SMR_ERROR_STRIDE_TOO_SMALL,

@@ -6,7 +6,7 @@ use crate::frame::{smr_fine_rect, smr_image};
 use crate::pointer::{self, Out};
 use crate::setting::name_in_c;
 use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, smr_status, status_of};
-use crate::tracker::{Event, Known, ask, borrow, each, smr_tracker};
+use crate::tracker::{Event, Known, borrow, each, smr_tracker, write_result};
 use core::ffi::c_char;
 use core::ptr;
 use smr_core::{RestoreError, Target};
@@ -21,7 +21,7 @@ use smr_core::{RestoreError, Target};
 pub unsafe extern "C" fn smr_quality(tracker: *const smr_tracker, quality: *mut u16) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        ask(tracker, quality, |tracker| {
+        write_result(tracker, quality, |tracker| {
             let quality = each!(tracker.known(), target => target.quality());
             Ok(quality.ok_or(SMR_ERROR_NOT_LOCKED)?.value())
         })
@@ -42,7 +42,7 @@ pub unsafe extern "C" fn smr_last(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        ask(tracker, bbox, |tracker| {
+        write_result(tracker, bbox, |tracker| {
             let out = Out::new(state)?;
             let last = each!(tracker.known(), target => target.bbox().zip(target.state()));
             let (bbox, state) = last.ok_or(SMR_ERROR_NOT_LOCKED)?;
@@ -69,7 +69,7 @@ pub unsafe extern "C" fn smr_template(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        ask(tracker, image, |tracker| {
+        write_result(tracker, image, |tracker| {
             pointer::check_bytes(pixels, size, &tracker.memory())?;
             let copied = match tracker.known() {
                 Known::Paper(target) => target.template().map(|image| {
@@ -120,7 +120,7 @@ impl Known<'_> {
 pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut usize) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        ask(tracker, size, |tracker| match tracker.known() {
+        write_result(tracker, size, |tracker| match tracker.known() {
             Known::Paper(_) => Ok(PAPER_SAVED_SIZE),
             Known::Robust(_) => Ok(ROBUST_SAVED_SIZE),
         })
@@ -144,7 +144,7 @@ pub unsafe extern "C" fn smr_save(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller: nobody else uses the `size` bytes.
     status_of(unsafe {
-        ask(tracker, written, |tracker| {
+        write_result(tracker, written, |tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
             let target = tracker.known();
             let needed = each!(&target, target => target.saved_size())?;
@@ -174,7 +174,7 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
             let bytes = core::slice::from_raw_parts(bytes, size);
             tracker.known().restore(bytes)?;
             tracker.cancel();
-            tracker.tell(&Event::Restored(bytes));
+            tracker.record(&Event::Restored(bytes));
             Ok(())
         })
     })
@@ -196,7 +196,7 @@ pub unsafe extern "C" fn smr_other_setting(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller: there are `size` bytes, and nobody writes them.
     status_of(unsafe {
-        ask(tracker, name, |tracker| {
+        write_result(tracker, name, |tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
             match each!(tracker.known(), target => target.check_saved(core::slice::from_raw_parts(bytes, size))) {
                 Ok(()) => Ok(ptr::null()),

@@ -16,18 +16,18 @@ pub struct smr_tracker {
     /// [`mark_of`] the handle's address. Any other value shows memory that is not a tracker.
     mark: usize,
     /// The receiver of calls: `own`, or a recorder, whose code is linked only if the program calls `smr_record`.
-    held: *mut dyn Tracked,
+    receiver: *mut dyn Tracked,
     /// The tracker in the same storage.
     pub(crate) own: *mut dyn Tracked,
 }
 
 impl smr_tracker {
-    pub(crate) fn new(address: *const Self, held: *mut dyn Tracked) -> Self {
-        Self { mark: mark_of(address), held, own: held }
+    pub(crate) fn new(address: *const Self, receiver: *mut dyn Tracked) -> Self {
+        Self { mark: mark_of(address), receiver, own: receiver }
     }
 
-    pub(crate) const fn send_to(&mut self, held: *mut dyn Tracked) {
-        self.held = held;
+    pub(crate) const fn send_to(&mut self, receiver: *mut dyn Tracked) {
+        self.receiver = receiver;
     }
 }
 
@@ -80,7 +80,7 @@ pub(crate) trait Tracked {
     /// Cancels a call in steps that is under way.
     fn cancel(&mut self);
     /// Passes an event to the recorder, if there is one.
-    fn tell(&mut self, _: &Event<'_>) {}
+    fn record(&mut self, _: &Event<'_>) {}
     fn window(&self) -> Option<Rect>;
     fn sweep_window(&self) -> Option<Rect>;
     #[cfg(feature = "unstable")]
@@ -94,7 +94,7 @@ pub(crate) trait Tracked {
 pub(crate) type ResponseMap = [[i32; 17]; 17];
 
 /// Repeats a step until no work is left.
-pub(crate) fn whole(mut step: impl FnMut() -> Result<(), smr_status>) -> Result<(), smr_status> {
+pub(crate) fn repeat_until_done(mut step: impl FnMut() -> Result<(), smr_status>) -> Result<(), smr_status> {
     loop {
         match step() {
             Err(SMR_UNDER_WAY) => {}
@@ -117,14 +117,14 @@ pub(crate) unsafe fn borrow<'a>(tracker: *mut smr_tracker) -> Result<&'a mut dyn
         return Err(SMR_ERROR_NOT_INITIALISED);
     }
     // SAFETY: the mark shows that `smr_init` made a tracker here; the caller ensures that nobody else uses it.
-    Ok(unsafe { &mut *(*tracker).held })
+    Ok(unsafe { &mut *(*tracker).receiver })
 }
 
 /// Writes the result of `question` to `out`. A `question` only reads the tracker.
 ///
 /// # Safety
 /// As for [`borrow`]; an `out` that is not NULL has memory for a `T`.
-pub(crate) unsafe fn ask<T>(
+pub(crate) unsafe fn write_result<T>(
     tracker: *const smr_tracker,
     out: *mut T,
     question: impl FnOnce(&mut dyn Tracked) -> Result<T, smr_status>,

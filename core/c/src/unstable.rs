@@ -5,7 +5,7 @@ use crate::frame::smr_frame;
 use crate::pointer::Out;
 use crate::record::{smr_record, smr_recorder};
 use crate::status::{smr_status, status_of};
-use crate::tracker::{ResponseMap, ask, smr_tracker, with_frame};
+use crate::tracker::{ResponseMap, smr_tracker, with_frame, write_result};
 use core::ffi::{c_int, c_void};
 
 /// Sets `work` to the work of the last update or lock in the workspace of `tracker`, in the units of `smr_update_step`.
@@ -13,7 +13,7 @@ use core::ffi::{c_int, c_void};
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_work(tracker: *const smr_tracker, work: *mut u32) -> smr_status {
     // SAFETY: as every call demands of its caller.
-    status_of(unsafe { ask(tracker, work, |tracker| tracker.work()) })
+    status_of(unsafe { write_result(tracker, work, |tracker| tracker.work()) })
 }
 
 /// Sets `responses` to the robust tracker's filter responses for `frame`, as the next update would see them, in units

@@ -29,7 +29,7 @@ trait Replayed: Recorded {
     const BUFFER: Self::Buffer;
 
     /// The settings that a record does not contain: the backend, plain loops with the feature `plain`, else the best.
-    fn rest() -> Self::Config;
+    fn unrecorded_settings() -> Self::Config;
 }
 
 const BACKEND: Option<Backend> = if cfg!(feature = "plain") { Some(Backend::Scalar) } else { None };
@@ -38,7 +38,7 @@ impl Replayed for Smr {
     type Buffer = [u8; 96 * 96 + AROUND + 20];
     const BUFFER: Self::Buffer = [0; 96 * 96 + AROUND + 20];
 
-    fn rest() -> paper::Config {
+    fn unrecorded_settings() -> paper::Config {
         let mut config = paper::Config::paper();
         config.backend = BACKEND;
         config
@@ -50,7 +50,7 @@ impl Replayed for Robust {
     type Buffer = [u8; 48 * 1024];
     const BUFFER: Self::Buffer = [0; 48 * 1024];
 
-    fn rest() -> robust::Config {
+    fn unrecorded_settings() -> robust::Config {
         let mut config = robust::Config::robust();
         config.backend = BACKEND;
         config
@@ -97,7 +97,7 @@ fn main() -> ! {
     let record = HostFile::open(c"record.smr");
     let said = record.as_ref().and_then(|_| HostFile::create(c"said.smr"));
     let (Some(timer), Some(record), Some(said)) = (timer, record, said) else { exit(1) };
-    let mut run = Run { record, said, timer, at: 0, step: 0, lock: 0, above: 0 };
+    let mut run = Run { record, said, timer, at: 0, step: 0, lock: 0, stack_before_update: 0 };
     let end = run.choose();
     let written = run.end(end.as_ref().err());
     exit(i32::from(end.is_err() || written.is_err()))
@@ -128,7 +128,7 @@ struct Run {
     /// Ticks of the last lock.
     lock: u32,
     /// Bytes of stack in use when the last update began.
-    above: u32,
+    stack_before_update: u32,
 }
 
 impl Run {
@@ -151,7 +151,7 @@ impl Run {
         let ticks = self.timer.measure(|| spin(CALIBRATION)).1;
         #[allow(clippy::cast_possible_truncation)] // usize is u32 here
         let [room, target, workspace] = [buffer.len() as u32, size_of::<T>() as u32, size_of::<T::Workspace>() as u32];
-        self.say(&[1, VERSION, room, target, workspace, CALIBRATION, ticks])?;
+        self.write_line(&[1, VERSION, room, target, workspace, CALIBRATION, ticks])?;
         let mut step = [0; 4];
         let told = HostFile::open(c"step.smr").and_then(|mut file| file.read(0, &mut step));
         for step in [0, u32::from_le_bytes(step)].into_iter().take(1 + usize::from(told.is_some())) {
@@ -171,7 +171,7 @@ impl Run {
             self.at += size as u64;
             return if own == Some(sum) { Ok(true) } else { Err(End::Saved) };
         }
-        let mut player = Player::new(T::rest());
+        let mut player = Player::new(T::unrecorded_settings());
         self.at += found.size as u64;
         self.play(tracker, &mut player, &found.entry)?;
         if player.window().is_some() {
@@ -186,7 +186,7 @@ impl Run {
     }
 
     /// Replays an entry, and measures locks and updates.
-    #[inline(never)] // as for `say`
+    #[inline(never)] // as for `write_line`
     fn play<'a, T: Replayed>(
         &mut self,
         tracker: &mut Tracker<T>,
@@ -202,7 +202,7 @@ impl Run {
         }
         let mut took = None;
         player.play(tracker, entry, |tracker, frame| {
-            self.above = depth();
+            self.stack_before_update = depth();
             let (mut answer, mut longest) = (Ok(None), 0);
             while let Ok(None) = answer {
                 let (result, ticks) = timer.measure(|| match *step {
@@ -216,8 +216,8 @@ impl Run {
         })?;
         match took {
             None => Ok(()),
-            Some(ticks) if self.step == 0 => self.say(&[2, tracker.work(), ticks]),
-            Some(ticks) => self.say(&[3, ticks]),
+            Some(ticks) if self.step == 0 => self.write_line(&[2, tracker.work(), ticks]),
+            Some(ticks) => self.write_line(&[3, ticks]),
         }
     }
 
@@ -238,7 +238,7 @@ impl Run {
     fn end(&mut self, why: Option<&End>) -> Result<(), End> {
         let Some(why) = why else {
             let (used, room) = stack();
-            return self.say(&[4, used, room, used.saturating_sub(self.above), self.lock]);
+            return self.write_line(&[4, used, room, used.saturating_sub(self.stack_before_update), self.lock]);
         };
         #[allow(clippy::cast_possible_truncation)] // records of QEMU are small
         let at = self.at as u32;
@@ -248,15 +248,15 @@ impl Run {
             End::Configuration => 3,
             End::Lock => 4,
             End::Update => 5,
-            End::Answer(answer) => return self.say(&different(at, answer)),
+            End::Answer(answer) => return self.write_line(&line_of_difference(at, answer)),
             End::Saved => 7,
             End::NotWritten => 8,
         };
-        self.say(&[5, at, code])
+        self.write_line(&[5, at, code])
     }
 
     #[inline(never)] // its memory is taken while it runs only
-    fn say(&mut self, numbers: &[u32]) -> Result<(), End> {
+    fn write_line(&mut self, numbers: &[u32]) -> Result<(), End> {
         let mut bytes = [0; 4 * LINE];
         for (bytes, number) in bytes.chunks_exact_mut(4).zip(numbers) {
             bytes.iter_mut().zip(number.to_le_bytes()).for_each(|(byte, value)| *byte = value);
@@ -265,7 +265,7 @@ impl Run {
     }
 }
 
-fn different(at: u32, answer: &Answer) -> [u32; LINE] {
+fn line_of_difference(at: u32, answer: &Answer) -> [u32; LINE] {
     let Answer { fine, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = *answer;
     let [left, top] = [fine.x, fine.y].map(i32::cast_unsigned);
     let [runner_up_ratio, alpha] = [runner_up_ratio, alpha].map(|number| number.map_or(NONE, u32::from));

@@ -59,7 +59,7 @@ pub fn document<C: Settings>(class: &Bound<'_, PyAny>, first: &str) -> PyResult<
 }
 
 /// Returns `built`, or an exception with the reason why the core refuses the configuration and with the options.
-pub fn of_range<T>(built: Result<T, ConfigError>, given: Option<&Bound<'_, PyDict>>) -> PyResult<T> {
+pub fn or_value_error<T>(built: Result<T, ConfigError>, given: Option<&Bound<'_, PyDict>>) -> PyResult<T> {
     let given = || given.map_or_else(|| "{}".to_owned(), ToString::to_string);
     built.map_err(|error| PyValueError::new_err(format!("{error}: {}", given())))
 }

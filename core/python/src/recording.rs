@@ -30,9 +30,9 @@ fn four(of: BoundingBox) -> Four {
 }
 
 /// A value with threads or a child process, which a forked process has not: there it is neither used nor dropped.
-struct OfProcess<T>(u32, ManuallyDrop<T>);
+struct ProcessLocal<T>(u32, ManuallyDrop<T>);
 
-impl<T> OfProcess<T> {
+impl<T> ProcessLocal<T> {
     fn new(value: T) -> Self {
         Self(process::id(), ManuallyDrop::new(value))
     }
@@ -45,7 +45,7 @@ impl<T> OfProcess<T> {
     }
 }
 
-impl<T> Drop for OfProcess<T> {
+impl<T> Drop for ProcessLocal<T> {
     fn drop(&mut self) {
         if self.0 == process::id() {
             // SAFETY: The value is dropped only here.
@@ -80,7 +80,7 @@ pub struct Recording {
     length: Option<usize>,
     source: Source,
     /// The stream of a live source, which is opened only once: the first iteration takes it.
-    live: Mutex<OfProcess<Option<Sequence>>>,
+    live: Mutex<ProcessLocal<Option<Sequence>>>,
 }
 
 impl Recording {
@@ -107,7 +107,7 @@ impl Recording {
         let mut opened = py.detach(|| open(&path)).map_err(refused)?;
         let (name, start, truth) = (opened.name.clone(), opened.init, opened.truth.take());
         let (length, source) = (opened.length, opened.source.clone());
-        let live = Mutex::new(OfProcess::new(is_live.then_some(opened)));
+        let live = Mutex::new(ProcessLocal::new(is_live.then_some(opened)));
         Ok(Self { path, name, is_live, start, truth, color, length, source, live })
     }
 
@@ -156,7 +156,7 @@ impl Recording {
         };
         let in_color = |sequence: Sequence| if self.color { sequence.in_color(FFMPEG_PATIENCE) } else { sequence };
         let opened = || kept.map_or_else(|| open(&self.path), Ok).map(in_color);
-        Ok(Decoded(Mutex::new(OfProcess::new(py.detach(opened).map_err(refused)?))))
+        Ok(Decoded(Mutex::new(ProcessLocal::new(py.detach(opened).map_err(refused)?))))
     }
 
     /// Scores any tracker's boxes: the figures of `host-sim eval`, as a dict by their names.
@@ -177,7 +177,7 @@ impl Recording {
 }
 
 #[pyclass(frozen)]
-struct Decoded(Mutex<OfProcess<Sequence>>);
+struct Decoded(Mutex<ProcessLocal<Sequence>>);
 
 /// Returns the next frame's rows, columns and colors, and its bytes; `None` after the last frame.
 fn next(sequence: &mut Sequence) -> anyhow::Result<Option<([usize; 3], Vec<u8>)>> {

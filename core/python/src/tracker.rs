@@ -2,7 +2,7 @@
 
 use crate::answer;
 use crate::frame::{Borrowed, Pixels, refused};
-use crate::options::{of_range, with};
+use crate::options::{or_value_error, with};
 use crate::target::{Scratch, Target, each, with_scratch};
 use pyo3::PyClassInitializer as New;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
@@ -67,7 +67,7 @@ impl Tracker {
         let Some((preset, config)) = presets.into_iter().find(|(preset, _)| name == format!("'{preset}'")) else {
             return Err(PyValueError::new_err(format!("preset: expected '{first}' or '{second}', found {name}")));
         };
-        let target = Mutex::new(of_range(target(with(config, options)?), options)?);
+        let target = Mutex::new(or_value_error(target(with(config, options)?), options)?);
         Ok(New::from(Self { target, preset, answer: Mutex::default() }))
     }
 
