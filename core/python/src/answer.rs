@@ -12,12 +12,12 @@ fn class<'py>(py: Python<'py>, cell: &'static PyOnceLock<Py<PyAny>>, name: &str)
 }
 
 /// Converts to a Python `Box`.
-pub fn whole<'py>(py: Python<'py>, rect: Rect) -> PyResult<Bound<'py, PyAny>> {
+pub fn to_box<'py>(py: Python<'py>, rect: Rect) -> PyResult<Bound<'py, PyAny>> {
     static BOX: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     class(py, &BOX, "Box")?.call1((rect.x, rect.y, rect.width, rect.height))
 }
 
-fn fine<'py>(py: Python<'py>, rect: FineRect) -> PyResult<Bound<'py, PyAny>> {
+fn to_fine_box<'py>(py: Python<'py>, rect: FineRect) -> PyResult<Bound<'py, PyAny>> {
     static FINE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let pixels = |number: i32| f64::from(number) / 256.0;
     let size = |number: u32| f64::from(number) / 256.0;
@@ -25,7 +25,7 @@ fn fine<'py>(py: Python<'py>, rect: FineRect) -> PyResult<Bound<'py, PyAny>> {
 }
 
 /// Converts a ratio in units of 1/65535 to a float.
-pub fn of_one(ratio: u16) -> f64 {
+pub fn ratio_to_float(ratio: u16) -> f64 {
     f64::from(ratio) / f64::from(u16::MAX)
 }
 
@@ -35,12 +35,12 @@ pub fn answer<'py>(py: Python<'py>, answer: &Answer) -> PyResult<Bound<'py, PyAn
     static STATES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let state = class(py, &STATES, "STATES")?.get_item(answer.state.code())?;
     class(py, &ANSWER, "Answer")?.call1((
-        whole(py, answer.bbox)?,
-        fine(py, answer.fine)?,
+        to_box(py, answer.bbox)?,
+        to_fine_box(py, answer.fine)?,
         state,
-        of_one(answer.confidence),
-        of_one(answer.ratio),
-        answer.runner_up_ratio.map(of_one),
+        ratio_to_float(answer.confidence),
+        ratio_to_float(answer.ratio),
+        answer.runner_up_ratio.map(ratio_to_float),
         answer.alpha,
         f64::from(answer.scale) / 65536.0,
         answer.found_again,

@@ -106,7 +106,7 @@ impl Tracker {
     /// is lost; the attribute `answer` tells whether the box is uncertain.
     fn update<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<(bool, Bound<'py, PyAny>)> {
         let answer = self.next(frame)?;
-        Ok((answer.state != State::Lost, answer::whole(py, answer.bbox)?))
+        Ok((answer.state != State::Lost, answer::to_box(py, answer.bbox)?))
     }
 
     /// Finds the target in the next frame and returns the whole `Answer`.
@@ -125,17 +125,17 @@ impl Tracker {
     #[getter]
     fn quality(&self) -> PyResult<Option<f64>> {
         let quality = each!(&*self.target()?, of => of.quality());
-        Ok(quality.map(|quality| answer::of_one(quality.value())))
+        Ok(quality.map(|quality| answer::ratio_to_float(quality.value())))
     }
 
     /// The part of the frame that the next update reads, in whole pixels; None without a target.
     fn window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        each!(&*self.target()?, of => of.window()).map(|window| answer::whole(py, window)).transpose()
+        each!(&*self.target()?, of => of.window()).map(|window| answer::to_box(py, window)).transpose()
     }
 
     /// The second part that the next update reads, to search for a lost target, in whole pixels; or None.
     fn sweep_window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::whole(py, window)).transpose()
+        each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::to_box(py, window)).transpose()
     }
 
     /// Reports a turn of the camera in pixels: what was at (x, y) is expected at (x + right, y + down) next.

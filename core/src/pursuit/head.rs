@@ -35,15 +35,15 @@ impl Axis {
         if error_radians.abs() <= self.deadband_radians {
             return from_radians;
         }
-        let speed = within(self.gain_per_second * error_radians, self.slew_radians_per_second);
+        let speed = clamp_abs(self.gain_per_second * error_radians, self.slew_radians_per_second);
         // The turn never exceeds the error, so a late frame causes no overshoot.
-        let step = within(speed * elapsed_seconds, error_radians.abs());
+        let step = clamp_abs(speed * elapsed_seconds, error_radians.abs());
         self.limited(from_radians + step)
     }
 
     pub(super) fn homeward(&self, from_radians: f32, elapsed_seconds: f32) -> f32 {
         let speed = self.return_radians_per_second.min(self.slew_radians_per_second);
-        self.limited(from_radians + within(self.home_radians - from_radians, speed * elapsed_seconds))
+        self.limited(from_radians + clamp_abs(self.home_radians - from_radians, speed * elapsed_seconds))
     }
 
     fn limited(&self, radians: f32) -> f32 {
@@ -66,7 +66,7 @@ impl Axis {
     }
 }
 
-fn within(value: f32, bound: f32) -> f32 {
+fn clamp_abs(value: f32, bound: f32) -> f32 {
     value.max(-bound).min(bound)
 }
 
@@ -90,7 +90,7 @@ impl Servo {
         let [at_min, at_max, period, max_duty] =
             [self.pulse_at_min_microseconds, self.pulse_at_max_microseconds, self.period_microseconds, max_duty]
                 .map(f32::from);
-        nearest((at_min + along * (at_max - at_min)) / period * max_duty)
+        round_to_u16((at_min + along * (at_max - at_min)) / period * max_duty)
     }
 
     pub(super) fn check(&self) -> Result<(), PursuitConfigError> {
@@ -103,7 +103,7 @@ impl Servo {
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates")]
-fn nearest(value: f32) -> u16 {
+fn round_to_u16(value: f32) -> u16 {
     (value + 0.5) as u16
 }
 

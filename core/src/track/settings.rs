@@ -143,7 +143,7 @@ pub trait Settings: Numbers {
         for setting in Self::SETTINGS {
             let (reserved, after) = rest.split_at_checked(setting.reserved_before).unwrap_or_default();
             if let Some(&found) = reserved.iter().find(|&&one| one != 1) {
-                return Err(ConfigError::OutOfRange { name: PARTS, lowest: 1, highest: 1, found });
+                return Err(ConfigError::OutOfRange { name: RESERVED_NAME, lowest: 1, highest: 1, found });
             }
             let (values, after) = after.split_at_checked(setting.shape.count()).unwrap_or_default();
             setting.check(values)?;
@@ -164,7 +164,7 @@ pub enum Kind {
 }
 
 /// The name that errors use for the reserved values of a record, which are always 1.
-const PARTS: &str = "parts";
+const RESERVED_NAME: &str = "parts";
 
 /// The values of a configuration on which answers depend, in the order of a record, without the similarity table.
 pub trait Numbers: Copy + Default {
@@ -205,7 +205,7 @@ fn find(settings: &'static [Setting], name: &str) -> Option<(&'static Setting, u
 
 #[allow(clippy::indexing_slicing)] // at compile time
 pub(super) const fn names<const COUNT: usize>(settings: &[Setting]) -> [&'static str; COUNT] {
-    let (mut names, mut number, mut setting) = ([PARTS; COUNT], 0, 0);
+    let (mut names, mut number, mut setting) = ([RESERVED_NAME; COUNT], 0, 0);
     while setting < settings.len() {
         number += settings[setting].reserved_before;
         let end = number + settings[setting].shape.count();

@@ -83,7 +83,7 @@ impl<L: Loops> Scores for Kernels<'_, L> {
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let pair = Rows::of(patch, template);
         if !Self::can_take(pair.width) {
-            return few(patch, template, enough);
+            return narrow_distance(patch, template, enough);
         }
         // SAFETY: there are enough columns.
         unsafe { (L::DISTANCE)(&pair, enough) }
@@ -114,7 +114,7 @@ impl<L: Loops> Scores for Kernels<'_, L> {
 /// The distance of narrow pictures. A separate function, so that the usual case need not save registers for it.
 #[cold]
 #[inline(never)]
-fn few(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+fn narrow_distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     plain::distance(patch, template, enough)
 }
 

@@ -50,13 +50,13 @@ impl<const SPAN: usize> Maxima<SPAN> {
     /// The largest score that two offsets more than `distance` apart (in x or in y) both reach, computed from the
     /// maxima of rows and of columns; 0 if there is no such pair.
     pub(super) fn both_reach(&self, distance: usize) -> u32 {
-        pair(self.columns.all(), distance).max(pair(self.rows.all(), distance))
+        best_pair(self.columns.all(), distance).max(best_pair(self.rows.all(), distance))
     }
 
     /// The largest score more than `neighbourhood` pixels from the peak in x or in y; 0 if there is none.
     pub(super) fn outside(&self, window: &Window, peak: &Peak, neighbourhood: u16) -> u32 {
-        let columns = far(self.columns.all(), *window.xs().start(), peak.x, neighbourhood);
-        let rows = far(self.rows.all(), *window.ys().start(), peak.y, neighbourhood);
+        let columns = largest_away(self.columns.all(), *window.xs().start(), peak.x, neighbourhood);
+        let rows = largest_away(self.rows.all(), *window.ys().start(), peak.y, neighbourhood);
         columns.max(rows)
     }
 }
@@ -74,7 +74,7 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
 /// Two indices move inwards from the ends. `before` and `behind` are the largest entries passed on each side. A pair
 /// that uses the smaller of the two cannot be better than the present pair, so the index on the smaller side moves on.
 #[cfg_attr(smr_small, inline(never))]
-fn pair(maxima: &[u32], distance: usize) -> u32 {
+fn best_pair(maxima: &[u32], distance: usize) -> u32 {
     let at = |index: usize| maxima.get(index).copied().unwrap_or(0);
     let (mut first, mut last) = (0, maxima.len().saturating_sub(1));
     let (mut before, mut behind) = (at(first), at(last));
@@ -93,7 +93,7 @@ fn pair(maxima: &[u32], distance: usize) -> u32 {
 }
 
 /// The largest entry more than `neighbourhood` away from the entry of the peak.
-fn far(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
+fn largest_away(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
     let peak = usize::try_from(peak.saturating_sub(first)).unwrap_or(0);
     let before = maxima.get(..peak.saturating_sub(neighbourhood.into()));
     let behind = maxima.get(peak + usize::from(neighbourhood) + 1..);
@@ -115,7 +115,7 @@ mod tests {
         fn a_pair_is_the_best_of_all_pairs(maxima in prop::collection::vec(0u32..9, 0..24), distance in 0usize..12) {
             let apart = |i: usize| maxima.iter().skip(i + distance + 1).max().copied();
             let best = (0..maxima.len()).filter_map(|i| Some(maxima[i].min(apart(i)?))).max().unwrap_or(0);
-            prop_assert_eq!(pair(&maxima, distance), best);
+            prop_assert_eq!(best_pair(&maxima, distance), best);
         }
     }
 }

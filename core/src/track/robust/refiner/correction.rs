@@ -15,10 +15,10 @@ use crate::track::saved::{Reader, Writer};
 
 const ONE: i32 = 1 << 16;
 /// The least and the largest factor of width and height, in units of 1/65536: 1/2 and 2.
-const LEAST: i32 = ONE / 2;
-const MOST: i32 = 2 * ONE;
+const LEAST_FACTOR: i32 = ONE / 2;
+const MOST_FACTOR: i32 = 2 * ONE;
 /// The largest shift of the centre, in units of 1/4096 of the box's side: half a side.
-const FARTHEST: i32 = 1 << 11;
+const MOST_SHIFT: i32 = 1 << 11;
 /// The largest estimate, in units of 1/4096; larger ones are clamped to it: 1.
 const MOST_ESTIMATE: i32 = 1 << 12;
 
@@ -33,15 +33,15 @@ pub(crate) struct Correction {
 impl Correction {
     pub(crate) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
 
-    pub(crate) fn take(&mut self, [right, down, width, height, ..]: Outputs) {
+    pub(crate) fn add(&mut self, [right, down, width, height, ..]: Outputs) {
         let bounded = |estimate: i32| estimate.clamp(-MOST_ESTIMATE, MOST_ESTIMATE);
         for (centre, new) in self.centre.iter_mut().zip([right, down]) {
-            *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-FARTHEST, FARTHEST);
+            *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-MOST_SHIFT, MOST_SHIFT);
         }
         for (side, new) in self.sides.iter_mut().zip([width, height]) {
             // The product is at most 2^17 * 2^12.
             let grown = *side + ((*side * bounded(new)) >> 14);
-            *side = (ONE + (((grown - ONE) * 15) >> 4)).clamp(LEAST, MOST);
+            *side = (ONE + (((grown - ONE) * 15) >> 4)).clamp(LEAST_FACTOR, MOST_FACTOR);
         }
     }
 
@@ -71,8 +71,8 @@ impl Correction {
     }
 
     fn restore(centre: [i32; 2], sides: [i32; 2]) -> Option<Self> {
-        let possible = centre.iter().all(|by| (-FARTHEST..=FARTHEST).contains(by))
-            && sides.iter().all(|side| (LEAST..=MOST).contains(side));
+        let possible = centre.iter().all(|by| (-MOST_SHIFT..=MOST_SHIFT).contains(by))
+            && sides.iter().all(|side| (LEAST_FACTOR..=MOST_FACTOR).contains(side));
         possible.then_some(Self { centre, sides })
     }
 }
@@ -96,7 +96,7 @@ mod tests {
     fn no_correction_changes_nothing() {
         assert_eq!(Correction::NONE.correct(BOX), BOX);
         let mut still = Correction::NONE;
-        still.take([0; 6]);
+        still.add([0; 6]);
         assert_eq!(still, Correction::NONE);
     }
 
@@ -114,12 +114,12 @@ mod tests {
         for estimate in [i32::MIN, -4096, 4096, i32::MAX] {
             let mut correction = Correction::NONE;
             for _ in 0..100 {
-                correction.take([estimate; 6]);
+                correction.add([estimate; 6]);
             }
             let Correction { centre, sides } = correction;
             assert_eq!(Correction::restore(centre, sides), Some(correction), "{estimate}");
             assert!(
-                centre[0].abs() == FARTHEST && (sides[0] == LEAST || sides[0] == MOST),
+                centre[0].abs() == MOST_SHIFT && (sides[0] == LEAST_FACTOR || sides[0] == MOST_FACTOR),
                 "{estimate}: {correction:?}"
             );
         }
@@ -129,7 +129,7 @@ mod tests {
     fn a_correction_fades() {
         let mut correction = Correction { centre: [500, -500], sides: [ONE + 9000, ONE - 9000] };
         for _ in 0..200 {
-            correction.take([0; 6]);
+            correction.add([0; 6]);
         }
         let mut faded = Correction { centre: [500, -500], sides: [ONE + 9000, ONE - 9000] };
         faded.fade();

@@ -61,7 +61,7 @@ impl Review {
     pub(super) fn update(&mut self, estimate: Outputs, learned: bool) {
         self.opinion.update(estimate);
         if learned {
-            self.correction.take(estimate);
+            self.correction.add(estimate);
         }
     }
 
