@@ -51,7 +51,6 @@ impl Track {
 
     /// True if the refiner's opinion gives the target up. False without redetection, which alone can find such a
     /// target, and if the settings exclude the state *lost*.
-    /// target, or if the settings never call a target *lost*.
     pub(crate) fn is_given_up(&self, config: &Config) -> bool {
         config.refines() && config.sweep > 0 && config.lost_below > 0 && self.review.gives_up()
     }
