@@ -191,7 +191,7 @@ mod tests {
                 |config| (config.lost_below, config.uncertain_below) = (30_000, 50_000),
                 |numbers| (numbers.lost_below, numbers.uncertain_below) = (30_000.0, 50_000.0),
             ),
-            ("learning rate", |config| config.learning_rate = 64, |numbers| numbers.step = 0.25),
+            ("learning rate", |config| config.learning_rate = 64, |numbers| numbers.update_step = 0.25),
             ("early rate", |config| config.early_rate = 128, |numbers| numbers.early_rate = 0.125),
         ];
         for (what, change, same) in others {
@@ -213,11 +213,11 @@ mod tests {
         noticed(
             seen,
             changes! { of;
-                of.pixels = 1599, of.cell = 5, of.cover = (3.0, 2.0), of.most_cells = 190, of.norm_floor = 31.0, of.norm_gain = 634.0, of.reach = 7,
-                of.label_width = (1.0, 9.0), of.step = 0.75, of.regularisation = 5055.0, of.most_coded = 4095.0, of.most_gathered = 8191.0,
+                of.pixels = 1599, of.cell = 5, of.filter_over_box = (3.0, 2.0), of.most_cells = 190, of.norm_floor = 31.0, of.norm_gain = 634.0, of.reach = 7,
+                of.label_width = (1.0, 9.0), of.update_step = 0.75, of.regularisation = 5055.0, of.most_scaled = 4095.0, of.most_scaled_error = 8191.0,
                 of.first_steps = 6, of.most_conjugate = 0.5, of.distance_penalty = 128.0, of.velocity_fraction = 0.25, of.velocity_rate = 0.25,
                 of.scale_step = 1.03, of.early_rate = 1.0 / 64.0, of.similarity_scale = 250.0, of.alpha_bounds.0 = 99.0, of.alpha_bounds.1 = 9.0,
-                of.most_change = 1.0, of.gain_bounds.1 = 0.25, of.tiles_across = 3, of.counted_ratio = 5, of.refined_from = 65_535.0,
+                of.most_change = 1.0, of.gain_bounds.1 = 0.25, of.tiles_across = 3, of.counted_tile_rank = 5, of.refined_from = 65_535.0,
                 of.most_move = 0.125, of.most_growth = 64.0, of.damping = 32.0, of.confidence_rate = 76.0, of.size = false,
             },
         );

@@ -291,7 +291,7 @@ impl TrackerOptions {
                 "patience" => numbers.confidence_rate = 256.0 - number,
                 "lost_below" => numbers.lost_below = number,
                 "uncertain_below" => numbers.uncertain_below = number,
-                "learning_rate" => numbers.step = number / 256.0,
+                "learning_rate" => numbers.update_step = number / 256.0,
                 "early_rate" => numbers.early_rate = number / 1024.0,
                 _ => {}
             }

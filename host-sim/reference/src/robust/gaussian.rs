@@ -1,7 +1,7 @@
 //! Gaussians: the label (the desired filter response, 1.0 at the target), and the learning window, which weights cells.
 
 use super::Numbers;
-use super::rounding::{nearest, real, whole};
+use super::rounding::{nearest, to_f64, to_i64};
 use super::sampling::Shape;
 use crate::paper::similarity;
 
@@ -9,15 +9,15 @@ use crate::paper::similarity;
 pub const ONE: f64 = 16384.0;
 
 /// Factor of the label on one axis, `cells` from the target; the label is the product of both axes' factors.
-pub fn part(numbers: &Numbers, shape: &Shape, cells: f64) -> f64 {
-    let area = real(shape.columns * shape.rows);
+pub fn label_factor(numbers: &Numbers, shape: &Shape, cells: f64) -> f64 {
+    let area = to_f64(shape.columns * shape.rows);
     let (width, of) = numbers.label_width;
-    gaussian((area * (256.0 * width / (of * real(numbers.cell))).powi(2)).floor(), cells)
+    gaussian((area * (256.0 * width / (of * to_f64(numbers.cell))).powi(2)).floor(), cells)
 }
 
 /// Factor of the learning window, `cells` from the middle on one axis; its deviation is half of `side` template pixels.
 pub fn learning_window(numbers: &Numbers, side: i64, cells: f64) -> f64 {
-    gaussian((256.0 * real(side) / real(2 * numbers.cell)).powi(2), cells)
+    gaussian((256.0 * to_f64(side) / to_f64(2 * numbers.cell)).powi(2), cells)
 }
 
 /// Gaussian as exp(-x / 255), with x = 255 * distance^2 / (2 * variance); `variance` is in units of (1/256 cell)^2. The
@@ -26,7 +26,7 @@ fn gaussian(variance: f64, cells: f64) -> f64 {
     let factor = (255.0 * 16_777_216.0 / variance.max(1.0)).floor();
     let x = ((cells * 256.0).powi(2) * factor / 33_554_432.0).floor();
     let lower = (65_536.0 * (-256.0_f64 / 255.0).exp()).round();
-    let times = whole((x / 256.0).floor().min(16.0));
+    let times = to_i64((x / 256.0).floor().min(16.0));
     let value = (0..times).fold(similarity(x % 256.0, 255.0).rounded, |value, _| (value * lower / 65_536.0).floor());
     nearest(value / 4.0, 1.0)
 }

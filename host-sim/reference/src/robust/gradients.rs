@@ -1,7 +1,7 @@
 //! Features of a cell, ten bytes: a gradient histogram of nine directions, and the mean gray level.
 
 use super::Numbers;
-use super::rounding::{down, index, nearest, real};
+use super::rounding::{down, index, nearest, to_f64};
 use super::sampling::Patch;
 use std::f64::consts::PI;
 
@@ -98,6 +98,6 @@ fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
     // Factor from a quarter of a gray level to a feature value, rounded down to 2^-16.
     let quarter = down(numbers.norm_gain / (norm * 8.0), 65536.0);
     let byte = |sum: &f64| (sum * 4.0 * quarter).floor().min(127.0);
-    let gray = (sums.gray / real(numbers.cell * numbers.cell)).floor() - 128.0;
+    let gray = (sums.gray / to_f64(numbers.cell * numbers.cell)).floor() - 128.0;
     sums.gradient.iter().map(byte).chain([gray]).collect()
 }

@@ -2,13 +2,13 @@
 //!
 //! Ridge regression by gradient descent, with conjugate gradients at the lock. It minimises the sum over all offsets of
 //! (response - label)^2, plus `regularisation` times the sum of squared weights. For integer sums, weights, gradients
-//! and errors are divided by a power of two and rounded (`Coded`); sums stay below 2^53, so they are exact in f64.
+//! and errors are divided by a power of two and rounded (`ScaledIntegers`); sums stay below 2^53, so are exact in f64.
 //! Units are 2^-14 for responses, labels and errors, and 2^-30 for weights.
 
 use super::Numbers;
-use super::gaussian::{ONE, label, learning_window, part};
+use super::gaussian::{ONE, label, label_factor, learning_window};
 use super::gradients::{CHANNELS, Cells};
-use super::rounding::{divisor, index, nearest, quotient, real};
+use super::rounding::{divisor, index, nearest, quotient, to_f64};
 use super::sampling::Shape;
 
 pub struct Filter {
@@ -16,12 +16,12 @@ pub struct Filter {
 }
 
 /// Values as small integers, for products with features; times `divisor` they are about the original values.
-pub struct Coded {
+pub struct ScaledIntegers {
     pub numbers: Vec<f64>,
     pub divisor: f64,
 }
 
-impl Coded {
+impl ScaledIntegers {
     fn new(numbers: &[f64], most: f64) -> Self {
         let divisor = divisor(numbers.iter().fold(0.0, |most, number| number.abs().max(most)), most);
         Self { numbers: numbers.iter().map(|number| nearest(number / divisor, 1.0)).collect(), divisor }
@@ -47,8 +47,8 @@ impl Filter {
         Self { weights: vec![0.0; index(shape.across * shape.down) * CHANNELS] }
     }
 
-    pub fn coded(&self, numbers: &Numbers) -> Coded {
-        Coded::new(&self.weights, numbers.most_coded)
+    pub fn scaled(&self, numbers: &Numbers) -> ScaledIntegers {
+        ScaledIntegers::new(&self.weights, numbers.most_scaled)
     }
 
     /// Learns the first frame in `first_steps` full steps of conjugate gradients. All weights must be 0.
@@ -58,7 +58,7 @@ impl Filter {
         for _ in 0..numbers.first_steps {
             let sample = Sample { cells, responses: &responses, target: (0.0, 0.0) };
             let step = self.learn(numbers, shape, &sample, (1.0, numbers.reach), before.as_ref());
-            let changes = Coded::new(&step.responses, 32_767.0);
+            let changes = ScaledIntegers::new(&step.responses, 32_767.0);
             let units = step.length * step.direction.divisor * changes.divisor / 2.0_f64.powi(60);
             for (response, change) in responses.iter_mut().zip(&changes.numbers) {
                 *response -= nearest(change * units, 1.0);
@@ -77,15 +77,15 @@ impl Filter {
         (part, reach): (f64, i64),
         before: Option<&Step>,
     ) -> Step {
-        let errors = Coded::new(&errors(numbers, shape, sample), numbers.most_gathered);
+        let errors = ScaledIntegers::new(&errors(numbers, shape, sample), numbers.most_scaled_error);
         let correlated = correlated(numbers, shape, sample.cells, &errors.numbers);
         // The unit of weights is 1/65536 of the unit of errors.
         let gradient = |(weight, sum): (&f64, &f64)| numbers.regularisation * weight + sum * errors.divisor * 65536.0;
         let gradients: Vec<f64> = self.weights.iter().zip(&correlated).map(gradient).collect();
         let before = before.filter(|before| before.descent != 0.0);
-        let most = if before.is_some() { (numbers.most_coded / 4.0).floor() } else { numbers.most_coded };
-        let gradients = Coded::new(&gradients, most);
-        let mut direction = directions(numbers, shape, &gradients);
+        let most = if before.is_some() { (numbers.most_scaled / 4.0).floor() } else { numbers.most_scaled };
+        let gradients = ScaledIntegers::new(&gradients, most);
+        let mut direction = windowed_gradients(numbers, shape, &gradients);
         let descent =
             gradients.numbers.iter().zip(&direction.numbers).map(|(gradient, number)| gradient * number).sum();
         if let Some(before) = before {
@@ -111,7 +111,7 @@ impl Filter {
 
 /// Result of a learning step, which the next step of conjugate gradients needs.
 pub struct Step {
-    direction: Coded,
+    direction: ScaledIntegers,
     /// Dot product of the gradient and the windowed gradient, in the squared unit of the direction.
     descent: f64,
     responses: Vec<f64>,
@@ -122,7 +122,7 @@ pub struct Step {
 /// Step length of an exact line search, in units of 2^-44: descent over curvature. The curvature, in units of 2^18, is
 /// the sum of squared `responses` of the direction, scaled up to all `all` offsets, plus `regularisation` times its
 /// squared values. The lowest nine bits of a response are dropped.
-fn best_length(numbers: &Numbers, direction: &Coded, descent: f64, responses: &[f64], all: f64) -> f64 {
+fn best_length(numbers: &Numbers, direction: &ScaledIntegers, descent: f64, responses: &[f64], all: f64) -> f64 {
     let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
     let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();
     let curvature = ((curvature / 256.0).floor() * all / responses.len() as f64).floor() * 256.0;
@@ -145,9 +145,9 @@ fn offsets(numbers: &Numbers) -> impl Iterator<Item = (i64, i64)> {
 
 /// Response less label at each offset, clamped to `most_error`.
 fn errors(numbers: &Numbers, shape: &Shape, sample: &Sample<'_>) -> Vec<f64> {
-    let part = |offset: i64, target: f64| part(numbers, shape, real(offset - numbers.reach) - target);
+    let factor = |offset: i64, target: f64| label_factor(numbers, shape, to_f64(offset - numbers.reach) - target);
     let error = |((x, y), response): ((i64, i64), &f64)| {
-        let label = label(part(x, sample.target.0), part(y, sample.target.1));
+        let label = label(factor(x, sample.target.0), factor(y, sample.target.1));
         (response - label).clamp(-numbers.most_error, numbers.most_error)
     };
     offsets(numbers).zip(sample.responses).map(error).collect()
@@ -165,9 +165,9 @@ fn correlated(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -
     sums
 }
 
-fn directions(numbers: &Numbers, shape: &Shape, gradients: &Coded) -> Coded {
+fn windowed_gradients(numbers: &Numbers, shape: &Shape, gradients: &ScaledIntegers) -> ScaledIntegers {
     let axis = |cells: i64, side: i64| -> Vec<f64> {
-        (0..cells).map(|at| learning_window(numbers, side, real(at) + 0.5 - real(cells) / 2.0)).collect()
+        (0..cells).map(|at| learning_window(numbers, side, to_f64(at) + 0.5 - to_f64(cells) / 2.0)).collect()
     };
     let (across, down) = (axis(shape.across, shape.columns), axis(shape.down, shape.rows));
     let parts = down.iter().flat_map(|down| across.iter().map(|across| label(*across, *down)));
@@ -175,5 +175,5 @@ fn directions(numbers: &Numbers, shape: &Shape, gradients: &Coded) -> Coded {
         gradients.iter().map(|gradient| nearest(gradient * part / ONE, 1.0)).collect()
     };
     let numbers = gradients.numbers.chunks(CHANNELS).zip(parts).flat_map::<Vec<f64>, _>(weighted).collect();
-    Coded { numbers, divisor: gradients.divisor }
+    ScaledIntegers { numbers, divisor: gradients.divisor }
 }

@@ -2,13 +2,13 @@
 
 use super::Numbers;
 use super::gradients::Cells;
-use super::rounding::{FINE, LIGHT, down, nearest, real, to_zero};
+use super::rounding::{FINE, LIGHT, down, nearest, to_f64, to_zero};
 use super::sampling::Patch;
 
 /// Mean in whole gray levels, and the sum of absolute deviations from it.
 fn mean_and_deviation(patch: &Patch) -> (f64, f64) {
     let count = patch.columns * patch.rows;
-    let mean = nearest(patch.pixels.iter().sum::<f64>() / real(count), 1.0);
+    let mean = nearest(patch.pixels.iter().sum::<f64>() / to_f64(count), 1.0);
     (mean, patch.pixels.iter().map(|pixel| (pixel - mean).abs()).sum())
 }
 
@@ -17,23 +17,23 @@ fn mean_and_deviation(patch: &Patch) -> (f64, f64) {
 pub fn threshold(numbers: &Numbers, template: &Patch, seen: &Patch, gain: f64) -> f64 {
     let deviation = mean_and_deviation(seen).1.min((mean_and_deviation(template).1 * gain).floor());
     let (least, most) = numbers.alpha_bounds;
-    (deviation / real(seen.columns * seen.rows)).floor().clamp(least, most)
+    (deviation / to_f64(seen.columns * seen.rows)).floor().clamp(least, most)
 }
 
 /// Contrast of a search window: the mean absolute deviation of its cells' gray levels, rounded down to 1/16.
 pub fn window_contrast(numbers: &Numbers, cells: &Cells) -> f64 {
-    let count = real(cells.across * cells.down);
+    let count = to_f64(cells.across * cells.down);
     let mean = to_zero(cells.grays().sum::<f64>() / count, 1.0);
     down(cells.grays().map(|gray| (gray - mean).abs()).sum::<f64>() / count, 16.0).max(numbers.least_window)
 }
 
 /// Lighting: the template's gain per gray level of contrast in the search window.
-pub fn light(gain: f64, window: f64) -> f64 {
+pub fn gain_per_contrast(gain: f64, window: f64) -> f64 {
     down(gain / window, LIGHT)
 }
 
 /// Running mean of the lighting after a frame whose lighting is `new`.
-pub fn followed(numbers: &Numbers, light: f64, new: f64) -> f64 {
+pub fn running_light(numbers: &Numbers, light: f64, new: f64) -> f64 {
     light + down((new - light) * numbers.light_rate, LIGHT)
 }
 
@@ -48,7 +48,7 @@ pub fn can_show(numbers: &Numbers, target: &Patch, seen: &Patch, expected: f64) 
     let (was, is) = (mean_and_deviation(target).1, mean_and_deviation(seen).1);
     let cut_off =
         |patch: &Patch| patch.pixels.iter().map(|pixel| f64::from(*pixel <= 0.0 || *pixel >= 255.0)).sum::<f64>();
-    let pixels = real(seen.columns * seen.rows);
+    let pixels = to_f64(seen.columns * seen.rows);
     is >= was * expected * numbers.least_contrast
         && is >= pixels * numbers.least_deviation
         && cut_off(seen) <= pixels * numbers.most_cut_off + cut_off(target)

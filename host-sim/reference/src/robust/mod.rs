@@ -26,11 +26,11 @@ pub use sampling::{Lattice, Patch, Picture, Shape};
 
 use confidence::{FULL, confidence, decision, evidence, found_mean, running_mean};
 use gradients::features;
-use learning::{Coded, Filter, Sample};
+use learning::{Filter, Sample, ScaledIntegers};
 use refinement::Aligned;
 use refiner::Refiner;
 use response::{Peak, peak, penalised, responses};
-use rounding::{FINE, POSITION, SCALE, down, nearest, real, to_zero};
+use rounding::{FINE, POSITION, SCALE, down, nearest, to_f64, to_zero};
 use target_box::{Place, sweep, whole_box};
 use verification::Similarity;
 
@@ -108,7 +108,7 @@ impl Reference {
     ) -> Self {
         let (x, y, width, height) = target;
         let shape = Shape::new(&numbers, width, height);
-        let middle = |from: i64, size: i64| real(from) + (real(size) - 1.0) / 2.0;
+        let middle = |from: i64, size: i64| to_f64(from) + (to_f64(size) - 1.0) / 2.0;
         let place = Place { x: middle(x, width), y: middle(y, height), scale: 1.0 };
         let frame = Picture { pixels: frame, width: frame_size.0, height: frame_size.1 };
         let window = features(&numbers, &place.window(&numbers, &shape, numbers.reach).sample(&numbers, &frame));
@@ -126,7 +126,7 @@ impl Reference {
             velocity: (0.0, 0.0),
             filter,
             early: without_margin(&numbers, &place.view(&numbers, &shape).sample(&numbers, &frame)),
-            light: lighting::light(1.0, lighting::window_contrast(&numbers, &window)),
+            light: lighting::gain_per_contrast(1.0, lighting::window_contrast(&numbers, &window)),
             mean_evidence: FULL,
             tracked_scale: 1.0,
             next_window: 0,
@@ -161,11 +161,11 @@ impl Reference {
             // Upper bound of the target's move: search radius + 1 cell, alignment margin, 2 pixels, all at the larger
             // scale.
             let [_, larger] = self.other_scales(centre.scale);
-            let by = real((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
+            let by = to_f64((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
             let target = Place { scale: larger, ..centre }.bbox(self.target_size);
             all.push(refiner.region(target, by, self.frame_size));
         }
-        all.into_iter().reduce(both).expect("there is a window")
+        all.into_iter().reduce(union).expect("there is a window")
     }
 
     /// Bounds (left, top, right, bottom) of the frame pixels that the next update also reads if it loses the target;
@@ -177,7 +177,7 @@ impl Reference {
             return None;
         }
         let windows = self.sweep().into_iter().map(|place| self.region_around(place, reach + self.margin_cells()));
-        windows.reduce(both)
+        windows.reduce(union)
     }
 
     fn margin_cells(&self) -> i64 {
@@ -190,8 +190,8 @@ impl Reference {
 
     pub fn update(&mut self, frame: &[u8]) -> Step {
         let frame = Picture { pixels: frame, width: self.frame_size.0, height: self.frame_size.1 };
-        let (coded, centre) = (self.filter.coded(&self.numbers), self.expected());
-        let mut candidate = self.candidate(&frame, &coded, centre);
+        let (weights, centre) = (self.filter.scaled(&self.numbers), self.expected());
+        let mut candidate = self.candidate(&frame, &weights, centre);
         let growth = self.refine(&mut candidate);
         let was_lost = self.decision() == Decision::Lost;
         self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, candidate.evidence());
@@ -200,20 +200,20 @@ impl Reference {
         let lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
         let learned = !lost && candidate.evidence() >= self.numbers.learned_from;
         if learned {
-            let light = lighting::light(candidate.gain, candidate.window);
-            self.light = lighting::followed(&self.numbers, self.light, light);
+            let light = lighting::gain_per_contrast(candidate.gain, candidate.window);
+            self.light = lighting::running_light(&self.numbers, self.light, light);
             for (mean, new) in self.early.pixels.iter_mut().zip(&candidate.aligned.seen.pixels) {
                 *mean += nearest((new - *mean) * self.numbers.early_rate, FINE);
             }
         }
         // Move of the target in cells, rounded toward 0 to 1/256: the filter's label is centred there.
-        let cell = real(self.numbers.cell) * self.shape.step_at(centre.scale);
+        let cell = to_f64(self.numbers.cell) * self.shape.step_at(centre.scale);
         let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
         let target = (moved(candidate.place.x, centre.x), moved(candidate.place.y, centre.y));
         if self.numbers.size {
             candidate.place.scale = match growth {
                 Some(growth) => self.limited(candidate.place.scale + down(candidate.place.scale * growth, SCALE)),
-                None => self.best_scale(&frame, &coded, &candidate),
+                None => self.best_scale(&frame, &weights, &candidate),
             };
         }
         if !candidate.can_show {
@@ -225,17 +225,17 @@ impl Reference {
         self.velocity = (followed(right, self.velocity.0), followed(below, self.velocity.1));
         let (cells, responses) = (candidate.cells.clone(), candidate.responses.clone());
         let (swept, there) = (lost && self.numbers.sweep > 0, if given_up { 0.0 } else { candidate.evidence() });
-        let found = swept.then(|| self.redetect(&frame, &coded, there)).flatten();
+        let found = swept.then(|| self.redetect(&frame, &weights, there)).flatten();
         let is_found = found.is_some();
         if let Some(elsewhere) = found {
             (self.velocity, self.mean_evidence) = ((0.0, 0.0), found_mean(&self.numbers, elsewhere.evidence()));
-            self.refiner.iter_mut().for_each(|refiner| refiner.begin_again(&self.numbers));
+            self.refiner.iter_mut().for_each(|refiner| refiner.reset_opinion(&self.numbers));
             candidate = elsewhere;
         }
         self.place = candidate.place;
         if learned {
             let sample = Sample { cells: &cells, responses: &responses, target };
-            let length = (self.numbers.step, 5 * self.numbers.reach / 8);
+            let length = (self.numbers.update_step, 5 * self.numbers.reach / 8);
             self.filter.learn(&self.numbers, &self.shape, &sample, length, None);
         }
         if decision(&self.numbers, self.mean_evidence) == Decision::Tracking {
@@ -288,13 +288,13 @@ impl Reference {
         sweep(&self.numbers, &self.shape, self.frame_size, self.tracked_scale, self.next_window)
     }
 
-    fn candidate(&self, frame: &Picture<'_>, coded: &Coded, centre: Place) -> Candidate {
+    fn candidate(&self, frame: &Picture<'_>, weights: &ScaledIntegers, centre: Place) -> Candidate {
         let Numbers { reach, cell, .. } = self.numbers;
         let cells =
             features(&self.numbers, &centre.window(&self.numbers, &self.shape, reach).sample(&self.numbers, frame));
-        let responses = responses(&self.shape, coded, &cells, reach);
+        let responses = responses(&self.shape, weights, &cells, reach);
         let Peak { x, y, response, .. } = peak(&penalised(&self.numbers, &responses), reach);
-        let cell = real(cell) * self.shape.step_at(centre.scale);
+        let cell = to_f64(cell) * self.shape.step_at(centre.scale);
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
         let view = place.view(&self.numbers, &self.shape).sample(&self.numbers, frame);
         let (numbers, early) = (&self.numbers, self.early());
@@ -315,7 +315,7 @@ impl Reference {
         }
         let (aligned, pixel) = (&candidate.aligned, self.shape.step_at(candidate.place.scale));
         let step = refinement::step(&self.numbers, &self.early(), &aligned.seen, candidate.gain);
-        let place = candidate.place.moved((real(aligned.x) + step.x) * pixel, (real(aligned.y) + step.y) * pixel);
+        let place = candidate.place.moved((to_f64(aligned.x) + step.x) * pixel, (to_f64(aligned.y) + step.y) * pixel);
         candidate.place = place.inside(self.frame_size);
         Some(step.growth)
     }
@@ -332,14 +332,14 @@ impl Reference {
     }
 
     /// Scale with the highest response: the current one, the next smaller or the next larger one.
-    fn best_scale(&self, frame: &Picture<'_>, coded: &Coded, candidate: &Candidate) -> f64 {
+    fn best_scale(&self, frame: &Picture<'_>, weights: &ScaledIntegers, candidate: &Candidate) -> f64 {
         let Numbers { scale_gain, scale_reach, .. } = self.numbers;
         let (mut highest, mut best) = (f64::NEG_INFINITY, candidate.place.scale);
         let [smaller, larger] = self.other_scales(candidate.place.scale);
         for (scale, part) in [(best, FINE), (smaller, scale_gain), (larger, scale_gain)] {
             let window = Place { scale, ..candidate.place }.window(&self.numbers, &self.shape, scale_reach);
             let cells = features(&self.numbers, &window.sample(&self.numbers, frame));
-            let peak = peak(&responses(&self.shape, coded, &cells, scale_reach), scale_reach);
+            let peak = peak(&responses(&self.shape, weights, &cells, scale_reach), scale_reach);
             let counts = (peak.height * part / FINE).floor();
             if counts > highest {
                 (highest, best) = (counts, scale);
@@ -350,11 +350,11 @@ impl Reference {
 
     /// Searches the next windows of the sweep for the lost target. Returns the first candidate with enough evidence,
     /// clearly more than `followed`, the evidence at the tracked position.
-    fn redetect(&mut self, frame: &Picture<'_>, coded: &Coded, followed: f64) -> Option<Candidate> {
+    fn redetect(&mut self, frame: &Picture<'_>, weights: &ScaledIntegers, followed: f64) -> Option<Candidate> {
         let Numbers { found_from, better_by, .. } = self.numbers;
         for place in self.sweep() {
             self.next_window += 1;
-            let candidate = self.candidate(frame, coded, place);
+            let candidate = self.candidate(frame, weights, place);
             if candidate.evidence() >= found_from && candidate.evidence() >= followed + better_by {
                 return Some(candidate);
             }
@@ -364,7 +364,7 @@ impl Reference {
 }
 
 /// Smallest region that contains `a` and `b`; a region is left, top, right, bottom.
-fn both(a: [i64; 4], b: [i64; 4]) -> [i64; 4] {
+fn union(a: [i64; 4], b: [i64; 4]) -> [i64; 4] {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }
 

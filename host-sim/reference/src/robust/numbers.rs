@@ -13,7 +13,7 @@ pub struct Numbers {
     /// Side of a cell, in template pixels.
     pub cell: i64,
     /// Side of the filter over the side of the box, as a fraction `.0 / .1`.
-    pub cover: (f64, f64),
+    pub filter_over_box: (f64, f64),
     /// Size of the filter in cells: least and most per side, and most in total.
     pub least_side: i64,
     pub most_side: i64,
@@ -28,11 +28,11 @@ pub struct Numbers {
     /// Ridge penalty: factor of the squared filter weights in the error.
     pub regularisation: f64,
     /// Largest absolute value of a weight or gradient scaled to integers, of a scaled error, and of an unscaled error.
-    pub most_coded: f64,
-    pub most_gathered: f64,
+    pub most_scaled: f64,
+    pub most_scaled_error: f64,
     pub most_error: f64,
     /// Step length of an update, as a fraction of the exact line search.
-    pub step: f64,
+    pub update_step: f64,
     /// Gradient steps at the lock. An update takes one.
     pub first_steps: usize,
     /// Largest fraction of the previous direction in a conjugate-gradient step.
@@ -68,7 +68,7 @@ pub struct Numbers {
     pub most_cut_off: f64,
     /// Verification: tiles per axis, and the rank of the tile whose similarity counts (1 is the least similar).
     pub tiles_across: i64,
-    pub counted_ratio: usize,
+    pub counted_tile_rank: usize,
     /// Alignment: largest offset on each axis, and spacing of the first nine offsets, in template pixels.
     pub margin: i64,
     pub coarse_step: i64,
@@ -115,7 +115,7 @@ impl Numbers {
             least_step: 0.5,
             read_per_side: 2,
             cell: 4,
-            cover: (7.0, 5.0),
+            filter_over_box: (7.0, 5.0),
             least_side: 4,
             most_side: 32,
             most_cells: 200,
@@ -124,10 +124,10 @@ impl Numbers {
             reach: 8,
             label_width: (1.0, 10.0),
             regularisation: 5056.0,
-            most_coded: 8191.0,
-            most_gathered: 16_383.0,
+            most_scaled: 8191.0,
+            most_scaled_error: 16_383.0,
             most_error: 65_535.0,
-            step: 5.0 / 8.0,
+            update_step: 5.0 / 8.0,
             first_steps: 7,
             most_conjugate: 0.75,
             distance_penalty: 77.0,
@@ -148,7 +148,7 @@ impl Numbers {
             least_deviation: 1.0,
             most_cut_off: 0.5,
             tiles_across: 4,
-            counted_ratio: 4,
+            counted_tile_rank: 4,
             margin: 3,
             coarse_step: 2,
             refined_from: 55_000.0,

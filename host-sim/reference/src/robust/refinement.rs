@@ -2,7 +2,7 @@
 
 use super::Numbers;
 use super::lighting::{gain, relit, threshold};
-use super::rounding::{SCALE, SUB, real, to_zero};
+use super::rounding::{SCALE, SUB, to_f64, to_zero};
 use super::sampling::Patch;
 use super::verification::Similarity;
 
@@ -51,7 +51,7 @@ pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch, gain: f64) -> Step {
     for (y, x) in (1..seen.rows - 1).flat_map(|y| (1..seen.columns - 1).map(move |x| (y, x))) {
         let both = |x: i64, y: i64| seen.row(x, y, 1)[0] + lit.row(x, y, 1)[0];
         let (across, down) = (both(x + 1, y) - both(x - 1, y), both(x, y + 1) - both(x, y - 1));
-        let from_middle = |at: i64, size: i64| real(2 * at + 1 - size);
+        let from_middle = |at: i64, size: i64| to_f64(2 * at + 1 - size);
         let outward = across * from_middle(x, seen.columns) + down * from_middle(y, seen.rows);
         let error = (seen.row(x, y, 1)[0] - lit.row(x, y, 1)[0]).clamp(-alpha, alpha);
         let row = [across, down, (outward / 64.0).floor(), error];

@@ -4,21 +4,21 @@
 
 use super::Numbers;
 use super::confidence::{Decision, decided};
-use super::rounding::{FINE, POSITION, SCALE, down, index, nearest, real, whole};
+use super::rounding::{FINE, POSITION, SCALE, down, index, nearest, to_f64, to_i64};
 use super::sampling::{Lattice, Picture};
 
 /// Side of a crop, the network's input, in samples; and the crop's side over the box's side.
 const SIDE: i64 = 32;
-const WIDER: f64 = 1.75;
+const CROP_OVER_BOX: f64 = 1.75;
 /// Network input for the mean gray level of a crop.
 const MEAN: f64 = 64.0;
 /// Resolution of the network's outputs: 1/4096.
 const ESTIMATE: f64 = 4096.0;
 
-/// Layers: output side, stride, input channels, output channels, divisor of the sums. `FULL` has no side and stride.
+/// Layers: output side and stride (of convolutions only), input and output channels, divisor of the sums.
 const CONVOLUTIONS: [(i64, i64, i64, i64, f64); 4] =
     [(16, 2, 2, 8, 64.0), (8, 2, 8, 16, 128.0), (8, 1, 16, 24, 128.0), (4, 2, 24, 24, 128.0)];
-const FULL: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 6, 1.0)];
+const FULLY_CONNECTED: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 6, 1.0)];
 
 /// Square feature map with channels, padded with the value `beyond`.
 struct Map {
@@ -78,7 +78,7 @@ fn network(weights: &[u8], first: &[f64], present: &[f64]) -> Vec<f64> {
         map = Map { side, channels: outputs, beyond: 0.0, numbers };
     }
     let mut numbers = map.numbers;
-    for (inputs, outputs, divisor) in FULL {
+    for (inputs, outputs, divisor) in FULLY_CONNECTED {
         let (biases, weights) = (bytes.biases(outputs), bytes.weights(outputs, inputs));
         let sums = biases.iter().zip(&weights).map(|(bias, row)| bias + dot(row, &numbers));
         // The last layer has no activation.
@@ -92,7 +92,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 fn lattice([x, y, width, height]: [f64; 4]) -> Lattice {
-    let step = |side: f64| down(side * WIDER / real(SIDE), POSITION).max(1.0 / POSITION);
+    let step = |side: f64| down(side * CROP_OVER_BOX / to_f64(SIDE), POSITION).max(1.0 / POSITION);
     let middle = |from: f64, side: f64| from + down(side / 2.0, FINE) - 0.5;
     let (step, step_down) = (step(width), step(height));
     Lattice { x: middle(x, width), y: middle(y, height), step, step_down, columns: SIDE, rows: SIDE }
@@ -101,7 +101,7 @@ fn lattice([x, y, width, height]: [f64; 4]) -> Lattice {
 /// Samples the crop of a box, normalised to mean 64 and standard deviation 16, less for low contrast.
 fn crop(numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) -> Vec<f64> {
     let pixels = lattice(target).sample(numbers, frame).pixels;
-    let mean = nearest(pixels.iter().sum::<f64>() / real(SIDE * SIDE), 1.0);
+    let mean = nearest(pixels.iter().sum::<f64>() / to_f64(SIDE * SIDE), 1.0);
     let squares: f64 = pixels.iter().map(|pixel| (pixel - mean).powi(2)).sum();
     let gain = (2_097_152.0 / (squares.sqrt().floor() + 128.0)).floor();
     pixels.iter().map(|pixel| (((pixel - mean) * gain / 4096.0).floor() + MEAN).clamp(0.0, 127.0)).collect()
@@ -116,13 +116,13 @@ pub struct Refiner {
     /// Running mean of the trust, which is high if the network expects small errors.
     opinion: f64,
     /// Count of frames in a row with a bad opinion, up to now.
-    doubted: i64,
+    doubted_frames: i64,
 }
 
 impl Refiner {
     pub fn new(numbers: &Numbers, weights: &'static [u8], frame: &Picture<'_>, target: [f64; 4]) -> Self {
         let first = crop(numbers, frame, target);
-        Self { weights, first, centre: [0.0; 2], sides: [1.0; 2], opinion: numbers.most_trust, doubted: 0 }
+        Self { weights, first, centre: [0.0; 2], sides: [1.0; 2], opinion: numbers.most_trust, doubted_frames: 0 }
     }
 
     pub fn correct(&self, [x, y, width, height]: [f64; 4]) -> [f64; 4] {
@@ -140,7 +140,7 @@ impl Refiner {
     pub fn update(&mut self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4], learned: bool) {
         let present = crop(numbers, frame, self.correct(target));
         let estimates = network(self.weights, &self.first, &present);
-        self.follow(numbers, -(estimates[4] + estimates[5]));
+        self.update_opinion(numbers, -(estimates[4] + estimates[5]));
         if !learned {
             return;
         }
@@ -153,21 +153,21 @@ impl Refiner {
         }
     }
 
-    fn follow(&mut self, numbers: &Numbers, trust: f64) {
+    fn update_opinion(&mut self, numbers: &Numbers, trust: f64) {
         let trust = trust.clamp(0.0, numbers.most_trust);
         let rises = self.opinion < numbers.opinion_uncertain_below && self.opinion < trust;
         let rate = if rises { numbers.opinion_rising_rate } else { numbers.opinion_rate };
         self.opinion += down((trust - self.opinion) * rate, ESTIMATE);
-        self.doubted = if self.opinion < numbers.opinion_uncertain_below { self.doubted + 1 } else { 0 };
+        self.doubted_frames = if self.opinion < numbers.opinion_uncertain_below { self.doubted_frames + 1 } else { 0 };
     }
 
     /// True if the opinion was bad for `opinion_patience` frames in a row: the target is given up.
     pub fn gives_up(&self, numbers: &Numbers) -> bool {
-        self.doubted >= numbers.opinion_patience
+        self.doubted_frames >= numbers.opinion_patience
     }
 
-    pub fn begin_again(&mut self, numbers: &Numbers) {
-        (self.opinion, self.doubted) = (numbers.opinion_found, 0);
+    pub fn reset_opinion(&mut self, numbers: &Numbers) {
+        (self.opinion, self.doubted_frames) = (numbers.opinion_found, 0);
     }
 
     /// Best state that the opinion allows.
@@ -177,7 +177,7 @@ impl Refiner {
 
     /// Reduces the correction by a quarter and counts full trust, because the box of the frame is already exact.
     pub fn fade(&mut self, numbers: &Numbers) {
-        self.follow(numbers, numbers.most_trust);
+        self.update_opinion(numbers, numbers.most_trust);
         self.centre = self.centre.map(|centre| down(centre * 0.75, ESTIMATE));
         self.sides = self.sides.map(|side| 1.0 + down((side - 1.0) * 0.75, SCALE));
     }
@@ -186,9 +186,9 @@ impl Refiner {
     pub fn region(&self, target: [f64; 4], by: f64, frame_size: (i64, i64)) -> [i64; 4] {
         let Lattice { x, y, step, step_down, .. } = lattice(self.correct(target));
         let blocks = step + step_down + 2.0;
-        let pixel = |at: f64, size: i64| whole(at.floor()).clamp(0, size - 1);
+        let pixel = |at: f64, size: i64| to_i64(at.floor()).clamp(0, size - 1);
         let range = |middle: f64, step: f64, size: i64| {
-            let (middle, reach) = (middle.clamp(0.0, real(size - 1)), 16.0 * step + blocks + by);
+            let (middle, reach) = (middle.clamp(0.0, to_f64(size - 1)), 16.0 * step + blocks + by);
             (pixel(middle - reach, size), pixel(middle + reach, size) + 1)
         };
         let ((left, right), (top, bottom)) = (range(x, step, frame_size.0), range(y, step_down, frame_size.1));

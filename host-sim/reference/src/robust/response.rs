@@ -2,14 +2,14 @@
 
 use super::Numbers;
 use super::gradients::Cells;
-use super::learning::Coded;
-use super::rounding::{FINE, index, quotient, real, to_zero};
+use super::learning::ScaledIntegers;
+use super::rounding::{FINE, index, quotient, to_f64, to_zero};
 use super::sampling::Shape;
 
 /// Filter responses at all offsets up to `reach` cells from the middle, row by row.
-pub fn responses(shape: &Shape, coded: &Coded, cells: &Cells, reach: i64) -> Vec<f64> {
+pub fn responses(shape: &Shape, weights: &ScaledIntegers, cells: &Cells, reach: i64) -> Vec<f64> {
     let span = 2 * reach + 1;
-    (0..span).flat_map(|y| (0..span).map(move |x| coded.response(shape, cells, x, y))).collect()
+    (0..span).flat_map(|y| (0..span).map(move |x| weights.response(shape, cells, x, y))).collect()
 }
 
 /// Reduces positive responses by a penalty that grows with the squared distance from the middle, up to
@@ -18,8 +18,8 @@ pub fn penalised(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
     let (reach, span) = (numbers.reach, 2 * numbers.reach + 1);
     let away = |at: i64| (at % span - reach).pow(2) + (at / span - reach).pow(2);
     let less = |(at, &response): (i64, &f64)| {
-        let edge = real(reach * reach);
-        let part = FINE - (numbers.distance_penalty * real(away(at)).min(edge) / edge).floor();
+        let edge = to_f64(reach * reach);
+        let part = FINE - (numbers.distance_penalty * to_f64(away(at)).min(edge) / edge).floor();
         if response > 0.0 { (response * part / FINE).floor() } else { response }
     };
     (0..).zip(responses).map(less).collect()
@@ -48,17 +48,17 @@ pub fn peak(responses: &[f64], reach: i64) -> Peak {
         inside.then(|| responses[index(y * span + x)])
     };
     let part = |before: Option<f64>, after: Option<f64>| match (before, after) {
-        (Some(before), Some(after)) => top(before, response, after),
+        (Some(before), Some(after)) => parabola_top(before, response, after),
         _ => (0.0, 0.0),
     };
     let (across, wider) = part(at(x - 1, y), at(x + 1, y));
     let (down, deeper) = part(at(x, y - 1), at(x, y + 1));
-    Peak { x: real(x - reach) + across, y: real(y - reach) + down, response, height: response + wider + deeper }
+    Peak { x: to_f64(x - reach) + across, y: to_f64(y - reach) + down, response, height: response + wider + deeper }
 }
 
 /// Top of the parabola through three neighbouring responses: its distance from the middle one (at most 1/2, rounded
 /// toward 0 to 1/256) and its height above it (rounded down). Both are 0 if the parabola has no top.
-fn top(before: f64, at: f64, after: f64) -> (f64, f64) {
+fn parabola_top(before: f64, at: f64, after: f64) -> (f64, f64) {
     let bend = before - 2.0 * at + after;
     if bend >= 0.0 {
         return (0.0, 0.0);

@@ -46,11 +46,11 @@ pub fn divisor(largest: f64, most: f64) -> f64 {
 }
 
 #[allow(clippy::cast_possible_truncation)] // they are far below 2^53
-pub fn whole(value: f64) -> i64 {
+pub fn to_i64(value: f64) -> i64 {
     value as i64
 }
 
 #[allow(clippy::cast_precision_loss)] // they are far below 2^53
-pub fn real(value: i64) -> f64 {
+pub fn to_f64(value: i64) -> f64 {
     value as f64
 }

@@ -1,7 +1,7 @@
 //! Resampling of the frame, so that the template has about the same number of pixels for a target of any size.
 
 use super::Numbers;
-use super::rounding::{FINE, POSITION, down, index, nearest, real, whole};
+use super::rounding::{FINE, POSITION, down, index, nearest, to_f64, to_i64};
 
 pub struct Picture<'a> {
     pub pixels: &'a [u8],
@@ -45,14 +45,14 @@ impl Shape {
     /// Shape for a box of `width` x `height` frame pixels, with step = sqrt(area / pixels). Sides are rounded, the
     /// template's to even numbers; the longer one is shortened until the area is small enough.
     pub fn new(numbers: &Numbers, width: i64, height: i64) -> Self {
-        let area = real(width * height);
-        let step = down((area / real(numbers.pixels)).sqrt(), POSITION).max(numbers.least_step);
-        let (cover, of) = numbers.cover;
-        let cells = |size: i64| whole(nearest(cover * real(size) / (of * real(numbers.cell) * step), 1.0));
+        let area = to_f64(width * height);
+        let step = down((area / to_f64(numbers.pixels)).sqrt(), POSITION).max(numbers.least_step);
+        let (filter, bbox) = numbers.filter_over_box;
+        let cells = |size: i64| to_i64(nearest(filter * to_f64(size) / (bbox * to_f64(numbers.cell) * step), 1.0));
         let cells = |size: i64| cells(size).clamp(numbers.least_side, numbers.most_side);
         let (across, down) = fitting(cells(width), cells(height), numbers.most_cells);
         let half = |size: i64, cells: i64| {
-            whole(nearest(real(size) / (2.0 * step), 1.0)).clamp(2, (cells * numbers.cell).max(4) / 2)
+            to_i64(nearest(to_f64(size) / (2.0 * step), 1.0)).clamp(2, (cells * numbers.cell).max(4) / 2)
         };
         let (columns, rows) = fitting(half(width, across), half(height, down), numbers.pixels / 4);
         Self { columns: 2 * columns, rows: 2 * rows, across, down, step }
@@ -126,7 +126,7 @@ impl Lattice {
     /// blocks.
     fn block(&self, numbers: &Numbers) -> Block {
         let mut side = 1;
-        while (self.step + self.step_down) / 2.0 / real(side) >= 2.0 {
+        while (self.step + self.step_down) / 2.0 / to_f64(side) >= 2.0 {
             side *= 2;
         }
         Block::new(side, numbers.read_per_side)
@@ -142,13 +142,13 @@ struct Block {
 impl Block {
     /// Divides each axis into `parts` equal parts and reads the middle pixel of each part, of two the second.
     fn new(side: i64, parts: i64) -> Self {
-        let middle = |part: i64| whole((real(side) * (real(part) + 0.5) / real(parts)).floor());
+        let middle = |part: i64| to_i64((to_f64(side) * (to_f64(part) + 0.5) / to_f64(parts)).floor());
         Self { side, read: (0..parts).map(middle).collect() }
     }
 
     /// Mean offset of the pixels that are read.
     fn middle(&self) -> f64 {
-        mean(self.read.iter().map(|&at| real(at)))
+        mean(self.read.iter().map(|&at| to_f64(at)))
     }
 
     /// Mean of the pixels that are read, in whole gray levels. Beyond the frame its edge pixels are repeated.
@@ -169,14 +169,14 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Sample positions on one axis, in blocks. Beyond the frame the first and the last whole block are repeated.
 fn between(centre: f64, step: f64, count: i64, block: &Block, size: i64) -> Vec<Between> {
-    let first_pixel = centre - down(real(count - 1) * step / 2.0, POSITION);
-    let side = real(block.side);
+    let first_pixel = centre - down(to_f64(count - 1) * step / 2.0, POSITION);
+    let side = to_f64(block.side);
     let first = down((first_pixel - block.middle()) / side, POSITION);
     let step = down(step / side, POSITION);
     let last_block = (size / block.side).max(1) - 1;
     let sample = |number: i64| {
-        let position = (first + real(number) * step).clamp(0.0, real(last_block));
-        let block = whole(position.floor());
+        let position = (first + to_f64(number) * step).clamp(0.0, to_f64(last_block));
+        let block = to_i64(position.floor());
         Between { first: block, second: (block + 1).min(last_block), part: down(position.fract(), FINE) }
     };
     (0..count).map(sample).collect()

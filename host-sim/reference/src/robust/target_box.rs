@@ -1,7 +1,7 @@
 //! Positions of the target: tracked, predicted from the velocity, and tried when the whole frame is searched for it.
 
 use super::Numbers;
-use super::rounding::{FINE, POSITION, down, nearest, real, whole};
+use super::rounding::{FINE, POSITION, down, nearest, to_f64, to_i64};
 use super::sampling::{Lattice, Shape};
 
 /// Centre of the target in frame pixels, and its scale relative to the first box.
@@ -14,7 +14,7 @@ pub struct Place {
 
 impl Place {
     pub fn inside(self, (width, height): (i64, i64)) -> Self {
-        let within = |at: f64, size: i64| at.clamp(0.0, real(size) - 1.0);
+        let within = |at: f64, size: i64| at.clamp(0.0, to_f64(size) - 1.0);
         Self { x: within(self.x, width), y: within(self.y, height), ..self }
     }
 
@@ -41,7 +41,7 @@ impl Place {
 
     /// Box of the target (left, top, width, height); `size` is its width and height at scale 1.
     pub fn bbox(self, size: (i64, i64)) -> [f64; 4] {
-        let side = |size: i64| nearest(real(size) * self.scale, FINE);
+        let side = |size: i64| nearest(to_f64(size) * self.scale, FINE);
         let (width, height) = (side(size.0), side(size.1));
         // Positions are those of pixel centres, half a pixel from the pixel's edge.
         let corner = |middle: f64, size: f64| down(middle + 0.5, FINE) - down(size / 2.0, FINE);
@@ -51,7 +51,7 @@ impl Place {
 
 /// Rounds each edge of a box (left, top, width, height) to whole pixels; each side is at least 1.
 pub fn whole_box([x, y, width, height]: [f64; 4]) -> [i64; 4] {
-    let edge = |at: f64| whole(nearest(at, 1.0));
+    let edge = |at: f64| to_i64(nearest(at, 1.0));
     let side = |from: f64, size: f64| (edge(from + size) - edge(from)).max(1);
     [edge(x), edge(y), side(x, width), side(y, height)]
 }
@@ -59,12 +59,12 @@ pub fn whole_box([x, y, width, height]: [f64; 4]) -> [i64; 4] {
 /// Centres of the next windows for finding a lost target: at most `numbers.sweep`, from index `number` on, in one row.
 /// The windows divide the frame into equal tiles, each no larger than a search of `reach` cells covers.
 pub fn sweep(numbers: &Numbers, shape: &Shape, frame: (i64, i64), scale: f64, number: i64) -> Vec<Place> {
-    let covered = real(2 * numbers.reach * numbers.cell) * shape.step_at(scale);
-    let count = |size: i64| whole((real(size) / covered).ceil());
+    let covered = to_f64(2 * numbers.reach * numbers.cell) * shape.step_at(scale);
+    let count = |size: i64| to_i64((to_f64(size) / covered).ceil());
     let (columns, rows) = (count(frame.0), count(frame.1));
     let (row, first) = (number / columns % rows, number % columns);
     let middle = |number: i64, count: i64, size: i64| {
-        (down((real(number) + 0.5) * real(size) / real(count), POSITION) - 0.5).max(0.0)
+        (down((to_f64(number) + 0.5) * to_f64(size) / to_f64(count), POSITION) - 0.5).max(0.0)
     };
     let place = |column: i64| Place { x: middle(column, columns, frame.0), y: middle(row, rows, frame.1), scale };
     (first..columns.min(first + numbers.sweep)).map(place).collect()

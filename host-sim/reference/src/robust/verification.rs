@@ -2,7 +2,7 @@
 
 use super::Numbers;
 use super::lighting::{relit, threshold};
-use super::rounding::{index, real, whole};
+use super::rounding::{index, to_f64, to_i64};
 use super::sampling::Patch;
 use crate::paper::{UNITS, similarity};
 
@@ -14,7 +14,7 @@ impl Similarity {
         Self((0..=255).map(|difference| similarity(f64::from(difference), scale).rounded).collect())
     }
 
-    /// Agreement, 0 to 65535: the mean similarity of the tile whose rank from the least is [`Numbers::counted_ratio`].
+    /// Agreement, 0 to 65535: the mean similarity of the tile of rank [`Numbers::counted_tile_rank`] from the least.
     pub fn agreement(&self, numbers: &Numbers, seen: &Patch, early: &Patch, gain: f64) -> f64 {
         let lit = relit(early, seen, gain);
         let (alpha, across) = (threshold(numbers, early, seen, gain), numbers.tiles_across);
@@ -24,15 +24,15 @@ impl Similarity {
                 let (left, top) = (cut(seen.columns, tile % across), cut(seen.rows, tile / across));
                 let (right, bottom) = (cut(seen.columns, tile % across + 1), cut(seen.rows, tile / across + 1));
                 let cut = |patch: &Patch| patch.cut(left, top, right - left, bottom - top).expect("tiles lie in it");
-                (self.score(&cut(seen), &cut(&lit), alpha) / real((right - left) * (bottom - top))).floor()
+                (self.score(&cut(seen), &cut(&lit), alpha) / to_f64((right - left) * (bottom - top))).floor()
             })
             .collect();
         ratios.sort_by(f64::total_cmp);
-        ratios[numbers.counted_ratio - 1].min(UNITS)
+        ratios[numbers.counted_tile_rank - 1].min(UNITS)
     }
 
     pub fn score(&self, seen: &Patch, lit: &Patch, alpha: f64) -> f64 {
         let differences = seen.pixels.iter().zip(&lit.pixels).map(|(f, g)| (f - g).abs());
-        differences.filter(|&d| d < alpha).map(|d| self.0[index(whole(d))]).sum()
+        differences.filter(|&d| d < alpha).map(|d| self.0[index(to_i64(d))]).sum()
     }
 }
