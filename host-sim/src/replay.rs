@@ -11,13 +11,12 @@ use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::sync::LazyLock;
 
 /// Largest offset of a record in its file, in MiB.
-const MOST_BEFORE: u64 = 64;
+const MAX_OFFSET_MIB: u64 = 64;
 /// Largest offset of a record's first line in a text log, in bytes.
-const FIRST: usize = 1 << 20;
-/// Upper bound of the length of a log line, in bytes.
-const LINE: u64 = 256 << 20;
+const MAX_LOG_OFFSET: usize = 1 << 20;
+const MAX_LINE_BYTES: u64 = 256 << 20;
 /// Prefix of the record's bytes in a line of a text log.
-const LOGGED: &[u8] = b"smr-record [";
+const LOG_PREFIX: &[u8] = b"smr-record [";
 
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
@@ -87,7 +86,7 @@ pub struct Difference {
 pub fn replay(source: impl Read, every: bool, progress: impl Fn()) -> Result<Report> {
     let record = bytes_of(source).context("cannot read the record")?;
     let mut report = Report::default();
-    let mut running: Option<Box<dyn Runs<'_> + '_>> = None;
+    let mut running: Option<Box<dyn FlightReplay<'_> + '_>> = None;
     let mut all = entries(&record);
     while let Some(found) = all.next() {
         progress();
@@ -151,7 +150,7 @@ fn not_a_record() -> Error {
     anyhow!("it is not a flight record: expected an entry SMRB first, or lines of a log with `smr-record [`")
 }
 
-fn end(run: Option<Box<dyn Runs<'_> + '_>>, report: &mut Report, cut_off: usize) {
+fn end(run: Option<Box<dyn FlightReplay<'_> + '_>>, report: &mut Report, cut_off: usize) {
     if let (Some(mut run), Some(flight)) = (run, report.flights.last_mut()) {
         let frame = flight.locks + flight.answers + 1;
         let answer = run.unanswered();
@@ -181,13 +180,13 @@ impl Flight {
             Entry::Restored(_) => self.restored += 1,
         }
         if every {
-            self.entries.push(said(&found.entry));
+            self.entries.push(entry_json(&found.entry));
         }
     }
 }
 
 /// Converts an entry to JSON; a box is an array of left, top, width, height.
-fn said(entry: &Entry<'_>) -> Value {
+fn entry_json(entry: &Entry<'_>) -> Value {
     let of = |Rect { x, y, width, height }: Rect| json!([x, y, width, height]);
     match entry {
         Entry::Begin(begin) => json!({ "begin": char::from(begin.tracker) }),
@@ -216,7 +215,7 @@ fn said(entry: &Entry<'_>) -> Value {
 }
 
 /// Replay of one flight, whatever its tracker.
-trait Runs<'a> {
+trait FlightReplay<'a> {
     /// Replays an entry. The flag is true if the entry cancels an update; the error is a difference to the record.
     fn play(&mut self, entry: &Entry<'a>) -> (bool, Result<(), record::Difference>);
 
@@ -232,7 +231,7 @@ struct Run<'a, T: Recorded> {
 }
 
 /// Creates the replay of the tracker that the entry `begin` describes. Returns it with the tracker's name.
-fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn Runs<'a> + 'a>, &'static str)> {
+fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn FlightReplay<'a> + 'a>, &'static str)> {
     if begin.tracker == Paper::TRACKER {
         return Ok((run::<Paper>(begin, paper::Config::paper(), |config, table| config.table = table)?, "smr"));
     }
@@ -250,7 +249,7 @@ fn run<'a, T: Recorded<Config: 'a> + 'a>(
     begin: &Begin<'_>,
     mut rest: T::Config,
     set: fn(&mut T::Config, &'static Table),
-) -> Result<Box<dyn Runs<'a> + 'a>> {
+) -> Result<Box<dyn FlightReplay<'a> + 'a>> {
     let mut with = |table| {
         set(&mut rest, table);
         begin.config(&rest)
@@ -261,7 +260,7 @@ fn run<'a, T: Recorded<Config: 'a> + 'a>(
     Ok(Box::new(Run::<T> { tracker: Box::new(Tracker::with(config)?), player: Player::new(config) }))
 }
 
-impl<'a, T: Recorded> Runs<'a> for Run<'a, T> {
+impl<'a, T: Recorded> FlightReplay<'a> for Run<'a, T> {
     fn play(&mut self, entry: &Entry<'a>) -> (bool, Result<(), record::Difference>) {
         let gave_up = self.player.window().is_some() && !matches!(entry, Entry::Answer(_));
         (gave_up, self.player.play(&mut self.tracker, entry, |tracker, frame| tracker.update(frame)))
@@ -327,12 +326,12 @@ fn described(FineRect { x, y, width, height }: FineRect) -> String {
 fn bytes_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     let has = |bytes: &[u8], part: &[u8]| bytes.windows(part.len()).any(|found| found == part);
     let mut bytes = Vec::new();
-    source.by_ref().take(MOST_BEFORE << 20).read_to_end(&mut bytes)?;
-    if !bytes.starts_with(b"SMR") && has(&bytes[..bytes.len().min(FIRST)], LOGGED) {
+    source.by_ref().take(MAX_OFFSET_MIB << 20).read_to_end(&mut bytes)?;
+    if !bytes.starts_with(b"SMR") && has(&bytes[..bytes.len().min(MAX_LOG_OFFSET)], LOG_PREFIX) {
         let mut lines = BufReader::new(Cursor::new(bytes).chain(source));
         let (mut record, mut line) = (Vec::new(), Vec::new());
         // The limit bounds the memory for input without line ends.
-        while lines.by_ref().take(LINE).read_until(b'\n', &mut line)? > 0 {
+        while lines.by_ref().take(MAX_LINE_BYTES).read_until(b'\n', &mut line)? > 0 {
             record.extend(bytes_in(&line));
             line.clear();
         }
@@ -340,8 +339,8 @@ fn bytes_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     }
     if has(&bytes, &Tag::Begin.bytes()) {
         source.read_to_end(&mut bytes)?;
-    } else if bytes.len() as u64 == MOST_BEFORE << 20 {
-        let words = format!("no entry SMRB in its first {MOST_BEFORE} MiB: expected a flight record");
+    } else if bytes.len() as u64 == MAX_OFFSET_MIB << 20 {
+        let words = format!("no entry SMRB in its first {MAX_OFFSET_MIB} MiB: expected a flight record");
         return Err(io::Error::new(io::ErrorKind::InvalidData, words));
     }
     Ok(bytes)
@@ -349,8 +348,8 @@ fn bytes_of(mut source: impl Read) -> io::Result<Vec<u8>> {
 
 /// Parses the bytes of a line like `smr-record [53, 4d]`, up to the first invalid byte, because a log can be cut off.
 fn bytes_in(line: &[u8]) -> Vec<u8> {
-    let Some(start) = line.windows(LOGGED.len()).position(|part| part == LOGGED) else { return Vec::new() };
-    let text = String::from_utf8_lossy(&line[start + LOGGED.len()..]);
+    let Some(start) = line.windows(LOG_PREFIX.len()).position(|part| part == LOG_PREFIX) else { return Vec::new() };
+    let text = String::from_utf8_lossy(&line[start + LOG_PREFIX.len()..]);
     let numbers = text.split(']').next().unwrap_or_default().split(", ");
     numbers.map_while(|number| (number.len() == 2).then(|| u8::from_str_radix(number, 16).ok())?).collect()
 }

@@ -10,13 +10,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use std::{fs, thread};
 
-enum Thing {
+enum Resource {
     Path(PathBuf),
     Process(Arc<Mutex<Child>>),
 }
 
 /// All registered files, folders and child processes, by the id in their [`Kept`].
-static THINGS: Mutex<BTreeMap<u64, Thing>> = Mutex::new(BTreeMap::new());
+static RESOURCES: Mutex<BTreeMap<u64, Resource>> = Mutex::new(BTreeMap::new());
 
 /// True after a signal that ends this program.
 static ENDING: AtomicBool = AtomicBool::new(false);
@@ -54,26 +54,26 @@ pub struct Kept(u64);
 
 impl Drop for Kept {
     fn drop(&mut self) {
-        locked(&THINGS).remove(&self.0);
+        locked(&RESOURCES).remove(&self.0);
     }
 }
 
 /// Creates a file, folder or process and registers it; no signal is handled in between.
-fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing) -> io::Result<(T, Kept)> {
-    let mut things = locked(&THINGS);
+fn keep<T>(make: impl FnOnce() -> io::Result<T>, resource: impl FnOnce(&T) -> Resource) -> io::Result<(T, Kept)> {
+    let mut resources = locked(&RESOURCES);
     let made = make()?;
-    let number = things.last_key_value().map_or(0, |(last, _)| last + 1);
-    things.insert(number, thing(&made));
+    let number = resources.last_key_value().map_or(0, |(last, _)| last + 1);
+    resources.insert(number, resource(&made));
     Ok((made, Kept(number)))
 }
 
 pub fn keep_path<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::Result<(T, Kept)> {
-    keep(make, |made| Thing::Path(made.as_ref().to_owned()))
+    keep(make, |made| Resource::Path(made.as_ref().to_owned()))
 }
 
 /// Runs `act` without interruption: a signal that arrives meanwhile ends this program afterwards.
 pub fn undisturbed<T>(act: impl FnOnce() -> T) -> T {
-    let _things = locked(&THINGS);
+    let _resources = locked(&RESOURCES);
     act()
 }
 
@@ -89,7 +89,7 @@ impl Process {
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(command, 0);
         let start = || Ok(Arc::new(Mutex::new(command.spawn()?)));
-        let (child, _kept) = keep(start, |child| Thing::Process(Arc::clone(child)))?;
+        let (child, _kept) = keep(start, |child| Resource::Process(Arc::clone(child)))?;
         Ok(Self { child, _kept })
     }
 
@@ -193,15 +193,15 @@ fn is_ignored(signal: i32) -> bool {
 fn end_by(signal: i32) -> ! {
     ENDING.store(true, Ordering::SeqCst);
     // Holds the lock to the end, so that nothing new is registered.
-    let things = locked(&THINGS);
+    let resources = locked(&RESOURCES);
     // Kills processes first, because they write into the files.
-    for thing in things.values() {
-        if let Thing::Process(child) = thing {
+    for resource in resources.values() {
+        if let Resource::Process(child) = resource {
             end(child);
         }
     }
-    for thing in things.values() {
-        if let Thing::Path(path) = thing {
+    for resource in resources.values() {
+        if let Resource::Path(path) = resource {
             // The path may have been renamed by now, or be gone.
             let _ = remove(path);
         }

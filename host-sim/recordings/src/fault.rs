@@ -42,10 +42,9 @@ enum Kind {
 /// Length in frames of the faults whose parameter is a strength.
 const FRAMES: usize = 10;
 
-/// Length in frames of a change of light.
-const LIT: usize = 150;
+const LIGHT_FRAMES: usize = 150;
 /// Frames in which dusk fades to its final level.
-const DUSK: i64 = 100;
+const DUSK_FRAMES: i64 = 100;
 
 const SEED: u64 = 0xFA17_0000;
 
@@ -65,7 +64,7 @@ impl Fault {
             Kind::Dropped => 2 * amount,
             Kind::Repeated | Kind::Torn | Kind::Black | Kind::White | Kind::Gap | Kind::Away => amount,
             Kind::Columns | Kind::Bits | Kind::Gain | Kind::Noise | Kind::Origin => FRAMES,
-            Kind::Light | Kind::Dusk | Kind::Night | Kind::Fog | Kind::Gamma | Kind::Offset => LIT,
+            Kind::Light | Kind::Dusk | Kind::Night | Kind::Fog | Kind::Gamma | Kind::Offset => LIGHT_FRAMES,
         }
     }
 
@@ -116,8 +115,8 @@ impl Fault {
             Kind::Noise => relight(pixels, |level| level + normal(&mut random, amount)),
             Kind::Light | Kind::Night => dim(pixels, amount.into(), &mut random),
             Kind::Dusk => {
-                let step = i64::try_from(index + 1).unwrap_or(DUSK).min(DUSK);
-                dim(pixels, 100 + (i64::from(amount) - 100) * step / DUSK, &mut random);
+                let step = i64::try_from(index + 1).unwrap_or(DUSK_FRAMES).min(DUSK_FRAMES);
+                dim(pixels, 100 + (i64::from(amount) - 100) * step / DUSK_FRAMES, &mut random);
             }
             Kind::Fog => relight(pixels, |level| FOG + (level - FOG) * i64::from(amount) / 100),
             Kind::Gamma => relight(pixels, |level| raised(level, f64::from(amount) / 100.0)),

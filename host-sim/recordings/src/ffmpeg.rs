@@ -60,7 +60,7 @@ pub fn silent(patience: Duration) -> io::Error {
 pub(super) struct Ffmpeg {
     process: Process,
     shown: Receiver<Shown>,
-    said: Receiver<Said>,
+    messages: Receiver<Messages>,
     file: String,
     patience: Duration,
 }
@@ -75,14 +75,14 @@ impl Ffmpeg {
             other => other.context("cannot start ffmpeg")?,
         };
         let complaints = process.complaints().expect("standard error is piped");
-        let ((sender, said), (pictures, shown)) = (channel(), channel());
+        let ((sender, messages), (pictures, shown)) = (channel(), channel());
         let name = file.to_owned();
         thread::spawn(move || {
             // Reads all messages, because ffmpeg blocks on a full pipe. The receiver of pictures may be gone.
-            let said = Said::read(complaints, &name, |one| drop(pictures.send(one)));
+            let said = Messages::read(complaints, &name, |one| drop(pictures.send(one)));
             let _ = sender.send(said);
         });
-        Ok(Self { process, shown, said, file: file.to_owned(), patience })
+        Ok(Self { process, shown, messages, file: file.to_owned(), patience })
     }
 
     /// Returns standard output, whose reads fail after the time `patience` without data.
@@ -99,17 +99,17 @@ impl Ffmpeg {
         }
     }
 
-    fn end(&mut self) -> Result<(ExitStatus, Said)> {
+    fn end(&mut self) -> Result<(ExitStatus, Messages)> {
         let status = self.process.wait_while(|waited| waited <= self.patience).context("cannot wait for ffmpeg")?;
         let Some(status) = status else {
             return Err(silent(self.patience)).with_context(|| format!("cannot read {}", self.file));
         };
-        Ok((status, self.said.recv_timeout(self.patience).unwrap_or_default()))
+        Ok((status, self.messages.recv_timeout(self.patience).unwrap_or_default()))
     }
 
     /// Waits for ffmpeg to end, and returns its last error message, or else its exit status.
     pub fn last_words(&mut self) -> Result<String> {
-        self.end().map(|(status, said)| said.or(status))
+        self.end().map(|(status, said)| said.error_or(status))
     }
 
     /// Returns ffmpeg's last error message or exit status, if it has ended with an error.
@@ -121,7 +121,7 @@ impl Ffmpeg {
     pub fn no_frame(&mut self) -> Result<()> {
         let ((status, said), name) = (self.end()?, &self.file);
         ensure!(!said.last.contains("does not contain any stream"), "{name} holds no pictures: expected a video");
-        let (words, is_silent) = (said.or(status), said.last.is_empty() && status.success());
+        let (words, is_silent) = (said.error_or(status), said.last.is_empty() && status.success());
         let expected = "expected a whole video, or else pictures, Y4M or a raw dump (--size)";
         ensure!(is_silent, "ffmpeg cannot decode {name}: {words}: {expected}");
         bail!("{name} holds no frame that ffmpeg decodes");
@@ -139,7 +139,7 @@ impl Ffmpeg {
         if said.last.is_empty() && status.success() {
             return Ok(());
         }
-        Err(damaged(format!("{file} is damaged, says ffmpeg: {}", said.or(status))))
+        Err(damaged(format!("{file} is damaged, says ffmpeg: {}", said.error_or(status))))
     }
 }
 
@@ -155,7 +155,7 @@ pub(super) struct Shown {
 }
 
 #[derive(Debug, Default, PartialEq, Eq)]
-struct Said {
+struct Messages {
     last: String,
     /// Text of the last warning about a damaged packet.
     packet: String,
@@ -169,7 +169,7 @@ struct Said {
     transfer: Option<Transfer>,
 }
 
-impl Said {
+impl Messages {
     /// Reads all messages of ffmpeg; `show` is called for each picture.
     fn read(stream: impl Read, file: &str, mut show: impl FnMut(Shown)) -> Self {
         let mut said = Self::default();
@@ -250,7 +250,7 @@ impl Said {
         None
     }
 
-    fn or(&self, status: ExitStatus) -> String {
+    fn error_or(&self, status: ExitStatus) -> String {
         if self.last.is_empty() { status.to_string() } else { self.last.clone() }
     }
 }
@@ -269,7 +269,7 @@ mod tests {
 
     #[test]
     fn of_what_ffmpeg_says_the_last_complaint_is_kept() {
-        let said = |text: &str| Said::read(text.as_bytes(), "a.mp4", |_| ());
+        let said = |text: &str| Messages::read(text.as_bytes(), "a.mp4", |_| ());
         for (text, last) in [
             ("[NULL @ 0x55f5] [error] Invalid NAL\n[mov,mp4 @ 0x7f] [error] partial file\r\n\n", "partial file"),
             ("[error] file:a.mp4: Invalid [data] found", "Invalid [data] found"),
@@ -282,7 +282,7 @@ mod tests {
             assert_eq!(said(text).last, last, "{text}");
         }
         let changed = "[graph 0 input @ 0x5] [warning] Changing video frame properties on the fly is not supported";
-        assert_eq!(said(changed), Said { changed: true, ..Said::default() });
+        assert_eq!(said(changed), Messages { changed: true, ..Messages::default() });
     }
 
     #[test]
@@ -304,7 +304,7 @@ mod tests {
             (mapped(1), moment, false, Some(Transfer::Pq)),
         ] {
             let mut shown = Vec::new();
-            Said::read(text.as_bytes(), "a.mp4", |one| shown.push(one));
+            Messages::read(text.as_bytes(), "a.mp4", |one| shown.push(one));
             assert_eq!(shown, [Shown { size: (720, 576), moment, is_doubtful, transfer }], "{text}");
         }
         assert_eq!(fraction("1001/30000, frame_rate: 30/1"), Some((1001, 30000)));

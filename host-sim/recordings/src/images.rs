@@ -123,10 +123,10 @@ pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
 }
 
 /// Count of used gray levels, of 256, below which the user gets a note. 14-bit values stored in 16 bits use 64.
-const FEW: usize = 64;
+const MIN_LEVELS: usize = 64;
 
 /// One in this many pixels may be dead, so its value is ignored.
-const DEAD: u64 = 10_000;
+const PIXELS_PER_DEAD: u64 = 10_000;
 
 /// Returns a note if 16-bit pictures use few levels, judged by the first, middle and last of `pictures`. Ignores one
 /// pixel in 10,000 at each end of the histogram, because sensors have dead pixels.
@@ -143,13 +143,13 @@ pub(super) fn levels_note(pictures: &[Picture]) -> Option<String> {
     let mut below = 0;
     let mut used = (0..=u16::MAX).zip(counts).filter_map(|(value, count)| {
         below += count;
-        (below > all / DEAD && below - count < all - all / DEAD).then_some(value)
+        (below > all / PIXELS_PER_DEAD && below - count < all - all / PIXELS_PER_DEAD).then_some(value)
     });
     let first = used.next()?;
     let last = used.last().unwrap_or(first);
     let levels = pictures.first()?.levels;
     let [low, high] = [first, last].map(|value| levels.map_or(value.to_be_bytes()[0], |levels| levels.of(value)));
-    if usize::from(high - low) >= FEW {
+    if usize::from(high - low) >= MIN_LEVELS {
         return None;
     }
     let margin = ((last - first) / 4).max(8);

@@ -121,7 +121,7 @@ const ONE_EACH: [&str; 9] = ["h264", "hevc", "av1", "vp9", "mpeg1video", "mpeg2v
 const SOME_HIDDEN: [&str; 2] = ["vp8", "mpeg4"];
 
 /// Count of frames that are decoded to verify the times of the packets.
-const TRIED: usize = 48;
+const CHECKED_FRAMES: usize = 48;
 
 fn packets(file: &Path, patience: Duration) -> Packets {
     if y4m::is_y4m(file) {
@@ -189,21 +189,22 @@ impl Read {
             return None;
         }
         let seconds = |&time: &i64| time as f64 * self.base.0 / self.base.1;
-        let tried: Vec<f64> = decoded(file, patience).take(TRIED).collect();
+        let tried: Vec<f64> = decoded(file, patience).take(CHECKED_FRAMES).collect();
         // Packets before the first decoded frame cannot be decoded: the recording began between two key frames.
         let first = *tried.first()?;
         let mut times: Vec<f64> = self.times.drain(..).map(|time| seconds(&time)).collect();
         times.drain(..times.partition_point(|&time| time < first - SAME));
         let is_there =
             |time: &f64| times.get(times.partition_point(|at| at + SAME < *time)).is_some_and(|at| at - time < SAME);
-        let has_leap = times.windows(2).any(|pair| pair[1] - pair[0] > f64::from(video::LEAP));
+        let has_leap = times.windows(2).any(|pair| pair[1] - pair[0] > f64::from(video::MAX_TIME_JUMP));
         if has_leap || !tried.iter().all(is_there) {
             return None;
         }
         // The two fields of an interlaced frame may be two packets, with half a frame interval between their times.
         let least = |times: &[f64]| times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let are_all = tried.len() == times.len()
-            || tried.len() == TRIED && tried.last() <= times.get(TRIED - 1).map(|at| at + SAME).as_ref();
+            || tried.len() == CHECKED_FRAMES
+                && tried.last() <= times.get(CHECKED_FRAMES - 1).map(|at| at + SAME).as_ref();
         Some(if are_all && least(&times) > 0.6 * least(&tried) { Packets::Frames(times) } else { Packets::Hidden })
     }
 }

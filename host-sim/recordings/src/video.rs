@@ -105,8 +105,8 @@ pub(super) struct Pictures {
 /// ffmpeg options that count times from the start of the file, also after a seek.
 pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
 
-/// Tolerance of a seek in seconds, because files with times in milliseconds round by up to 0.0005.
-const NEAR: f64 = 0.0006;
+/// In seconds, because files with times in milliseconds round by up to 0.0005.
+const SEEK_TOLERANCE: f64 = 0.0006;
 
 impl Pictures {
     /// Starts ffmpeg on a file; `filters` run before all other filters.
@@ -146,13 +146,13 @@ impl Pictures {
 
     /// Seeks the picture shown at `time`, in seconds; returns it and all later ones, or `None` if the seek misses it.
     pub fn at(file: &Path, time: f64, wanted: Use, patience: Duration) -> Option<(Picture, Self)> {
-        let select = format!("select='gte(t,{:.6})',", time - NEAR / 2.0);
+        let select = format!("select='gte(t,{:.6})',", time - SEEK_TOLERANCE / 2.0);
         // In some files decoding cannot start right before `time`, so the second seek starts ten seconds earlier.
         [0.0001, 10.0].iter().find_map(|before| {
             let seek = format!("{:.6}", (time - before).max(0.0));
             let mut pictures = Self::start(("ffmpeg", file), &["-ss", &seek], &select, wanted, patience).ok()?;
             let first = pictures.next().ok()??;
-            first.seconds().is_some_and(|found| (found - time).abs() < NEAR).then_some((first, pictures))
+            first.seconds().is_some_and(|found| (found - time).abs() < SEEK_TOLERANCE).then_some((first, pictures))
         })
     }
 
@@ -181,8 +181,8 @@ impl Pictures {
     }
 }
 
-/// Jump of time, in seconds, at a join of two videos: in MPEG-TS, time that goes back looks like a clock overflow.
-pub(super) const LEAP: u32 = 43_200;
+/// In seconds; a longer jump is a join of two videos: in MPEG-TS, time that goes back looks like a clock overflow.
+pub(super) const MAX_TIME_JUMP: u32 = 43_200;
 
 /// Times that never go back: in a file of joined videos, each video continues the times of the one before.
 #[derive(Default)]
@@ -202,7 +202,7 @@ impl Continued {
         if let Some(last) = self.last {
             // A step back by less than `step`, the frame interval, is one wrong time stamp, not the start of another
             // video.
-            if now <= last - self.step || now - last > i64::from(LEAP) * second {
+            if now <= last - self.step || now - last > i64::from(MAX_TIME_JUMP) * second {
                 now = last + self.step;
                 self.shift = now - time;
             }

@@ -8,7 +8,7 @@ use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
 /// Most bytes of a header line, of the stream or of a frame.
-const LINE_BYTES: u64 = 1024;
+const MAX_LINE_BYTES: u64 = 1024;
 
 pub(super) fn is_y4m(file: &Path) -> bool {
     has_extension(file, &["y4m"])
@@ -58,7 +58,7 @@ impl<R: BufRead> Frames<R> {
             return Ok(None);
         }
         let mut pixels = Vec::new();
-        if line.ends_with(b"\n") || line.len() as u64 == LINE_BYTES {
+        if line.ends_with(b"\n") || line.len() as u64 == MAX_LINE_BYTES {
             let is_frame = line.starts_with(b"FRAME\n") || line.starts_with(b"FRAME ") && line.ends_with(b"\n");
             let expected = "expected a line FRAME before its pixels";
             ensure!(is_frame, "it does not begin as a frame of YUV4MPEG2 does: {expected}");
@@ -92,7 +92,7 @@ impl Frames<BufReader<File>> {
 
 fn line(stream: &mut impl BufRead) -> io::Result<Vec<u8>> {
     let mut line = Vec::new();
-    stream.take(LINE_BYTES).read_until(b'\n', &mut line)?;
+    stream.take(MAX_LINE_BYTES).read_until(b'\n', &mut line)?;
     Ok(line)
 }
 

@@ -38,7 +38,7 @@ pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> R
     let line = match matches.and_then(|matches| T::from_arg_matches(&matches)) {
         Ok(line) => line,
         Err(error) if !error.use_stderr() => error.exit(),
-        Err(error) => return refused(&anyhow!(usage::said(&error, &all, &arguments)), &command),
+        Err(error) => return refused(&anyhow!(usage::explained(&error, &all, &arguments)), &command),
     };
     let done = run(line);
     cleanup::yield_to_signal();

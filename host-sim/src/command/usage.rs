@@ -35,7 +35,7 @@ fn is_long(word: &str) -> bool {
 }
 
 /// Explains in one line why the command `all` cannot parse `arguments`.
-pub(super) fn said(error: &clap::Error, all: &Command, arguments: &[OsString]) -> String {
+pub(super) fn explained(error: &clap::Error, all: &Command, arguments: &[OsString]) -> String {
     let words = arguments.iter().flat_map(|word| {
         let word = word.to_string_lossy().into_owned();
         match word.split_once('=') {
@@ -46,7 +46,7 @@ pub(super) fn said(error: &clap::Error, all: &Command, arguments: &[OsString]) -
     let words: Vec<String> = words.collect();
     let command = words.iter().skip(1).find_map(|word| all.find_subcommand(word)).unwrap_or(all);
     let line = Line { error, all, command, words };
-    line.said().unwrap_or_else(|| {
+    line.explained().unwrap_or_else(|| {
         let text = error.render().to_string();
         text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned()
     })
@@ -60,7 +60,7 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    fn said(&self) -> Option<String> {
+    fn explained(&self) -> Option<String> {
         let word = self.texts(ContextKind::InvalidArg).join(" and ");
         match self.error.kind() {
             Usage::InvalidSubcommand => self.no_command(),

@@ -247,8 +247,8 @@ struct Line {
 
 fn variant_of(method: &str, options: &Map<String, Value>) -> Result<Variant> {
     let words = [vec!["--method".into(), method.into()], typed(options)].concat();
-    let Line { method, tracker } =
-        Line::try_parse_from(&words).map_err(|error| anyhow::anyhow!(usage::said(&error, &Line::command(), &words)))?;
+    let Line { method, tracker } = Line::try_parse_from(&words)
+        .map_err(|error| anyhow::anyhow!(usage::explained(&error, &Line::command(), &words)))?;
     tracker.variant(method)
 }
 
