@@ -11,7 +11,7 @@ use smr_evaluation::{MethodKind, Variant, lock};
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::window::{
-    Camera, Followed, Growing, Job, Lock, Made, Server, Session, Source, Target, Window, Wish, Work, check_inside,
+    Camera, Followed, Growing, Job, Lock, Made, Requests, Server, Session, Source, Target, Window, Work, check_inside,
     read_boxes,
 };
 use smr_recordings::input;
@@ -118,7 +118,7 @@ impl View {
             source,
             followed,
             made: Arc::clone(&made),
-            wish: Box::new(Desk { words, pictures }),
+            requests: Box::new(Desk { words, pictures }),
             session,
         };
         say(|out| match self.json {
@@ -252,7 +252,7 @@ fn variant_of(method: &str, options: &Map<String, Value>) -> Result<Variant> {
     tracker.variant(method)
 }
 
-impl Wish for Desk {
+impl Requests for Desk {
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant> {
         variant_of(method, options)
     }
@@ -320,7 +320,7 @@ impl Wish for Desk {
         let words = [
             vec![command.into()],
             self.words.clone(),
-            followed.whole().map_or(Vec::new(), |last| vec!["--frames".into(), format!("..{last}").into()]),
+            followed.last_intact().map_or(Vec::new(), |last| vec!["--frames".into(), format!("..{last}").into()]),
             inits(&targets),
             vec!["--method".into(), kind.name().into()],
             typed(&options),

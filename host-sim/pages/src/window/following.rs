@@ -5,7 +5,7 @@
 //! The thread reads from the earliest frame that lacks an answer; after a lock in an earlier frame, it starts again
 //! there. If frames end or fail, segments that need later frames wait for the next change.
 
-use super::news::{News, Part};
+use super::change_log::{ChangeLog, TargetSpan};
 use super::{Known, Source, lock};
 use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
@@ -83,18 +83,18 @@ pub struct Row {
 struct Key {
     target: u32,
     lock: (usize, Rect),
-    edition: usize,
+    settings_index: usize,
 }
 
 struct Segment {
     /// Frame of the first row: the lock's frame, or a later one after a camera's old rows were dropped.
     first: usize,
-    /// One row per frame, with its log position in [`News`], in ascending order; `None` if the frame was dropped.
+    /// One row per frame, with its log position in [`ChangeLog`], in ascending order; `None` if the frame was dropped.
     rows: VecDeque<(u64, Option<Row>)>,
     /// True if the tracker refused a frame, or a camera no longer keeps the lock's frame. No answers follow.
     failed: bool,
     /// True if the frames ended before the one that this segment needs next.
-    in_vain: bool,
+    starved: bool,
     /// Value of [`State::changes`] when a target last used this segment.
     used: u64,
 }
@@ -131,11 +131,11 @@ struct State {
     targets: Vec<Target>,
     variant: Variant,
     /// All tracker settings used so far, so that switching back finds the earlier answers.
-    editions: Vec<Origin>,
-    edition: usize,
+    settings_used: Vec<Origin>,
+    settings_index: usize,
     segments: HashMap<Key, Segment>,
     changes: u64,
-    news: News,
+    log: ChangeLog,
     /// Last frame of the recording, once reading has reached its end.
     end: Option<usize>,
     seen: usize,
@@ -166,7 +166,7 @@ impl Task {
 impl State {
     /// Returns the segments of all targets, each with its exclusive end frame.
     fn plan(&self) -> impl Iterator<Item = (Key, usize)> + '_ {
-        self.targets.iter().flat_map(|target| planned(target, self.edition))
+        self.targets.iter().flat_map(|target| planned(target, self.settings_index))
     }
 
     /// Returns the segments that lack answers, except those that failed or ran out of frames.
@@ -175,14 +175,14 @@ impl State {
         let task = |(key, end): (Key, usize)| {
             let segment = self.segments.get(&key)?;
             let next = segment.next();
-            (!segment.failed && !segment.in_vain && next < end && next <= last).then_some(Task { key, next })
+            (!segment.failed && !segment.starved && next < end && next <= last).then_some(Task { key, next })
         };
         self.plan().filter_map(task).collect()
     }
 
-    fn rows(&self, Part { target, from, to }: Part) -> impl Iterator<Item = (usize, Row)> + '_ {
+    fn rows(&self, TargetSpan { target, from, to }: TargetSpan) -> impl Iterator<Item = (usize, Row)> + '_ {
         let target = self.targets.iter().find(move |one| one.id == target);
-        let plan = target.into_iter().flat_map(|target| planned(target, self.edition));
+        let plan = target.into_iter().flat_map(|target| planned(target, self.settings_index));
         plan.filter_map(|(key, end)| Some((self.segments.get(&key)?, end)))
             .flat_map(move |(segment, end)| segment.answers(segment.places(from, end.min(to.saturating_add(1)))))
     }
@@ -198,14 +198,14 @@ impl State {
 
     /// Gives the answers from `part.from` on new log positions, so that pages load them again. Answers after `part.to`
     /// get new ones, too, because positions ascend within a segment.
-    fn tell_again(&mut self, part: Part) {
-        self.news.void(part);
-        let Self { targets, segments, news, edition, .. } = self;
+    fn renew_positions(&mut self, part: TargetSpan) {
+        self.log.void(part);
+        let Self { targets, segments, log, settings_index, .. } = self;
         let Some(target) = targets.iter().find(|one| one.id == part.target) else { return };
-        for (key, _) in planned(target, *edition).filter(|(key, _)| key.lock.0 <= part.to) {
+        for (key, _) in planned(target, *settings_index).filter(|(key, _)| key.lock.0 <= part.to) {
             let Some(segment) = segments.get_mut(&key) else { continue };
             let places = segment.places(part.from, usize::MAX);
-            segment.rows.range_mut(places).for_each(|row| row.0 = news.next());
+            segment.rows.range_mut(places).for_each(|row| row.0 = log.next());
         }
     }
 
@@ -236,8 +236,8 @@ impl State {
             }
             check_gone(name, target.locks.iter().map(|lock| (lock.frame, lock.bbox.is_some())))?;
             // An existing segment has read its lock's frame already.
-            let late =
-                planned(target, self.edition).find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
+            let late = planned(target, self.settings_index)
+                .find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
             if let Some((Key { lock: (frame, _), .. }, _)) = late {
                 let all = known.unwrap_or(0);
                 bail!("frame {frame} of {all}: trackers can go back to frame {oldest} only: lock in a newer frame");
@@ -255,9 +255,9 @@ impl State {
         self.changes += 1;
         let plan: Vec<Key> = self.plan().map(|(key, _)| key).collect();
         for key in plan {
-            let new = || Segment { first: key.lock.0, rows: VecDeque::new(), failed: false, in_vain: false, used: 0 };
+            let new = || Segment { first: key.lock.0, rows: VecDeque::new(), failed: false, starved: false, used: 0 };
             let segment = self.segments.entry(key).or_insert_with(new);
-            (segment.used, segment.in_vain) = (self.changes, false);
+            (segment.used, segment.starved) = (self.changes, false);
         }
         let unused = self.segments.iter().filter(|(_, segment)| segment.used < self.changes);
         let mut spare: Vec<Key> = unused.map(|(key, _)| *key).collect();
@@ -273,10 +273,10 @@ impl State {
 }
 
 /// Returns the segments of a target, each with its exclusive end frame: the frame of the next lock.
-fn planned(target: &Target, edition: usize) -> impl Iterator<Item = (Key, usize)> + '_ {
+fn planned(target: &Target, settings_index: usize) -> impl Iterator<Item = (Key, usize)> + '_ {
     target.locks.iter().enumerate().filter_map(move |(at, lock)| {
         let end = target.locks.get(at + 1).map_or(usize::MAX, |next| next.frame);
-        Some((Key { target: target.id, lock: (lock.frame, lock.rect()?), edition }, end))
+        Some((Key { target: target.id, lock: (lock.frame, lock.rect()?), settings_index }, end))
     })
 }
 
@@ -290,14 +290,14 @@ fn differing(old: &[Lock], new: &[Lock]) -> Option<(usize, usize)> {
 }
 
 /// The changes after a log position, for a page that polls.
-pub(super) struct Heard {
+pub(super) struct Changes {
     pub position: u64,
     /// Frame ranges whose answers the page discards before it stores `rows`.
-    pub void: Vec<Part>,
-    pub changed: Vec<Part>,
+    pub void: Vec<TargetSpan>,
+    pub changed: Vec<TargetSpan>,
     /// New answers; empty if there are too many, so that the page requests the ranges in `changed`.
     pub rows: Vec<(u32, usize, Row)>,
-    pub said: Vec<String>,
+    pub messages: Vec<String>,
     pub made: Vec<u32>,
     /// True if the number of frames or their times changed.
     pub frames: bool,
@@ -311,12 +311,12 @@ impl Followed {
     pub fn new(variant: Variant, targets: Vec<Target>, source: &dyn Source) -> Result<Self> {
         let mut state = State {
             targets: Vec::new(),
-            editions: vec![variant.origin()],
+            settings_used: vec![variant.origin()],
             variant,
-            edition: 0,
+            settings_index: 0,
             segments: HashMap::new(),
             changes: 0,
-            news: News::default(),
+            log: ChangeLog::default(),
             end: None,
             seen: 0,
             damaged: None,
@@ -346,7 +346,7 @@ impl Followed {
     /// Returns the targets and their revision: the log position of their last change.
     pub(super) fn revision(&self) -> (Vec<Target>, u64) {
         let state = self.state();
-        (state.targets.clone(), state.news.targets)
+        (state.targets.clone(), state.log.targets)
     }
 
     pub fn variant(&self) -> Variant {
@@ -355,11 +355,11 @@ impl Followed {
 
     pub fn rows(&self) -> Vec<(Target, Vec<(usize, Row)>)> {
         let state = self.state();
-        state.targets.iter().map(|target| (target.clone(), state.rows(Part::all(target.id)).collect())).collect()
+        state.targets.iter().map(|target| (target.clone(), state.rows(TargetSpan::all(target.id)).collect())).collect()
     }
 
     /// Returns at most [`PORTION`] answers of a frame range, and the last frame that they cover.
-    pub(super) fn part(&self, part: Part) -> (Vec<(usize, Row)>, usize) {
+    pub(super) fn part(&self, part: TargetSpan) -> (Vec<(usize, Row)>, usize) {
         let rows: Vec<_> = self.state().rows(part).take(PORTION).collect();
         let to = rows.last().filter(|_| rows.len() == PORTION).map_or(part.to, |(frame, _)| *frame);
         (rows, to)
@@ -374,43 +374,44 @@ impl Followed {
         self.change(|state| {
             let targets = state.checked(targets, known, oldest)?;
             let others = match revision {
-                Some(revision) => revision != state.news.targets,
+                Some(revision) => revision != state.log.targets,
                 // A page without a revision may replace the initial targets, but no other page's.
                 None => {
-                    state.news.targets > 0
+                    state.log.targets > 0
                         && targets.iter().any(|one| state.targets.iter().any(|other| one.is_another(other)))
                 }
             };
             ensure!(!others, "another page has changed the targets meanwhile: look at them, and do it again");
             if targets == state.targets {
                 state.arrange();
-                return Ok(state.news.targets);
+                return Ok(state.log.targets);
             }
             let old = std::mem::replace(&mut state.targets, targets);
             state.arrange();
-            state.news.targets = state.news.next();
+            state.log.targets = state.log.next();
             let part = |target: &Target| {
                 let before = old.iter().find(|one| one.id == target.id).map_or(&[][..], |one| &one.locks);
                 let (from, to) = differing(before, &target.locks)?;
-                Some(Part { target: target.id, from, to })
+                Some(TargetSpan { target: target.id, from, to })
             };
             let changed: Vec<_> = state.targets.iter().filter_map(part).collect();
-            changed.into_iter().for_each(|part| state.tell_again(part));
-            Ok(state.news.targets)
+            changed.into_iter().for_each(|part| state.renew_positions(part));
+            Ok(state.log.targets)
         })
     }
 
     pub(super) fn set_variant(&self, variant: Variant) {
         self.change(|state| {
             let origin = variant.origin();
-            state.edition = state.editions.iter().position(|one| *one == origin).unwrap_or(state.editions.len());
-            if state.edition == state.editions.len() {
-                state.editions.push(origin);
+            state.settings_index =
+                state.settings_used.iter().position(|one| *one == origin).unwrap_or(state.settings_used.len());
+            if state.settings_index == state.settings_used.len() {
+                state.settings_used.push(origin);
             }
             state.variant = variant;
             state.arrange();
-            let all: Vec<_> = state.targets.iter().map(|target| Part::all(target.id)).collect();
-            all.into_iter().for_each(|part| state.tell_again(part));
+            let all: Vec<_> = state.targets.iter().map(|target| TargetSpan::all(target.id)).collect();
+            all.into_iter().for_each(|part| state.renew_positions(part));
         });
     }
 
@@ -423,51 +424,51 @@ impl Followed {
         self.change(|state| {
             if known > state.end {
                 state.end = None;
-                state.segments.values_mut().for_each(|segment| segment.in_vain = false);
+                state.segments.values_mut().for_each(|segment| segment.starved = false);
             }
-            state.news.frames = state.news.next();
+            state.log.frames = state.log.next();
         });
     }
 
-    pub(super) fn tell(&self, tell: impl FnOnce(&mut News)) {
-        self.change(|state| tell(&mut state.news));
+    pub(super) fn tell(&self, tell: impl FnOnce(&mut ChangeLog)) {
+        self.change(|state| tell(&mut state.log));
     }
 
     /// Waits at most `patience` for changes after log position `since`. If there are more than [`PORTION`] answers, it
     /// returns only their ranges, and the page requests them in parts.
-    pub(super) fn heard(&self, since: u64, patience: Duration) -> Heard {
+    pub(super) fn wait_for_changes(&self, since: u64, patience: Duration) -> Changes {
         let mut state = self.state();
         let begin = Instant::now();
-        while state.news.end() <= since {
+        while state.log.end() <= since {
             let Some(left) = patience.checked_sub(begin.elapsed()) else { break };
             state = self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0;
         }
-        let news = &state.news;
+        let log = &state.log;
         let heard = since;
         // If the log no longer covers what the page has missed, the page reloads everything.
-        let (is_remembered, all) = (news.remembers(since), state.targets.iter());
-        let since = if is_remembered { since.min(news.end()) } else { 0 };
-        let (void, said, made) = news.after(heard);
+        let (is_remembered, all) = (log.remembers(since), state.targets.iter());
+        let since = if is_remembered { since.min(log.end()) } else { 0 };
+        let (void, messages, made) = log.after(heard);
         let changed: Vec<_> = state.changed(since).collect();
         let is_short = changed.iter().map(|(.., places)| places.len()).sum::<usize>() <= PORTION;
         let rows = |(target, segment, places): &(u32, &Segment, Range<usize>)| {
             let target = *target;
             segment.answers(places.clone()).map(move |(frame, row)| (target, frame, row)).collect::<Vec<_>>()
         };
-        let part = |(target, segment, places): &(u32, &Segment, Range<usize>)| Part {
+        let part = |(target, segment, places): &(u32, &Segment, Range<usize>)| TargetSpan {
             target: *target,
             from: segment.first + places.start,
             to: segment.first + places.end - 1,
         };
-        Heard {
-            position: news.end(),
-            void: if is_remembered { void } else { all.map(|target| Part::all(target.id)).collect() },
+        Changes {
+            position: log.end(),
+            void: if is_remembered { void } else { all.map(|target| TargetSpan::all(target.id)).collect() },
             rows: if is_short { changed.iter().flat_map(rows).collect() } else { Vec::new() },
             changed: changed.iter().map(part).collect(),
-            said,
+            messages,
             made,
-            frames: heard < news.frames,
-            targets: (heard < news.targets).then(|| (state.targets.clone(), news.targets)),
+            frames: heard < log.frames,
+            targets: (heard < log.targets).then(|| (state.targets.clone(), log.targets)),
         }
     }
 
@@ -485,7 +486,7 @@ impl Followed {
     }
 
     /// Returns the last frame before damaged data, as the limit of a command; `None` if a target is locked behind it.
-    pub fn whole(&self) -> Option<usize> {
+    pub fn last_intact(&self) -> Option<usize> {
         let state = self.state();
         let mut locks = state.targets.iter().flat_map(|target| &target.locks);
         state.damaged.filter(|&last| last > 0 && locks.all(|lock| lock.frame <= last))
@@ -538,7 +539,7 @@ impl Following<'_> {
             let (late, tasks): (Vec<Task>, _) =
                 state.tasks().into_iter().partition(|task| task.next < oldest && !task.has_begun());
             for Task { key, next } in late {
-                state.news.say(format!("frame {next} is not kept any more: lock in frame {oldest} or a newer one"));
+                state.log.say(format!("frame {next} is not kept any more: lock in frame {oldest} or a newer one"));
                 state.segments.entry(key).and_modify(|segment| segment.failed = true);
                 self.followed.changed.notify_all();
             }
@@ -582,22 +583,22 @@ impl Following<'_> {
         let known = self.source.known().frames;
         self.followed.change(|state| {
             for Task { key, .. } in state.tasks().into_iter().filter(|task| task.next <= last + 1) {
-                state.segments.entry(key).and_modify(|segment| segment.in_vain = true);
+                state.segments.entry(key).and_modify(|segment| segment.starved = true);
             }
             if let Some(error) = error {
                 if error.is::<Damaged>() {
                     state.damaged = Some(state.damaged.map_or(last, |before| before.min(last)));
                 }
-                state.news.say(messages::of(error));
+                state.log.say(messages::of(error));
             } else if known.map_or(start == 1, |all| last >= all) {
                 state.end = Some(last);
             } else if !state.stopped {
                 let of = known.map_or(String::new(), |all| format!(" of {all}"));
-                state.news.say(format!(
+                state.log.say(format!(
                     "there is no frame after {last}{of}: is the file still being written? Any change tries again."
                 ));
             }
-            state.news.frames = state.news.next();
+            state.log.frames = state.log.next();
         });
     }
 
@@ -612,7 +613,7 @@ impl Following<'_> {
         let answers: Vec<_> =
             due.into_iter().map(|task| (task, self.answer(task.key, number, gray, &variant))).collect();
         followed.change(|state| {
-            let State { segments, news, .. } = state;
+            let State { segments, log, .. } = state;
             for (task, answer) in answers {
                 let Some(segment) = segments.get_mut(&task.key).filter(|segment| segment.next() == task.next) else {
                     continue;
@@ -622,8 +623,8 @@ impl Following<'_> {
                         let before = segment.rows.iter().rev().find_map(|(_, row)| Some((*row)?.shown));
                         let shown = report.target.or(before).unwrap_or_else(|| task.key.lock.1.into());
                         let row = Row { report, shown, quality, time };
-                        segment.rows.extend((task.next..number).map(|_| (news.end(), None)));
-                        segment.rows.push_back((news.next(), Some(row)));
+                        segment.rows.extend((task.next..number).map(|_| (log.end(), None)));
+                        segment.rows.push_back((log.next(), Some(row)));
                         if is_live && segment.rows.len() > MOST_LIVE_ROWS {
                             segment.rows.pop_front();
                             segment.first += 1;
@@ -632,7 +633,7 @@ impl Following<'_> {
                     Ok(None) => {}
                     Err(error) => {
                         segment.failed = true;
-                        news.say(messages::of(&error));
+                        log.say(messages::of(&error));
                     }
                 }
             }

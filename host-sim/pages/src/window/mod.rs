@@ -2,8 +2,8 @@
 //! recording, inspects the answers and corrects them.
 //!
 //! ```text
-//! page  -- targets, wishes -->  routes  -->  following: a thread that reads frames and asks the trackers
-//! page  <-- news, pictures --   routes  <--  news; pictures of the recording or camera
+//! page  -- targets, requests -->  routes  -->  following: a thread that reads frames and asks the trackers
+//! page  <-- news, pictures --     routes  <--  change_log; pictures of the recording or camera
 //! ```
 //!
 //! `server` admits only the page. After each change, the page sends all targets with their locks (boxes that the user
@@ -13,10 +13,10 @@
 
 mod boxes;
 mod camera;
+mod change_log;
 mod following;
 mod kept;
 mod made;
-mod news;
 mod recording;
 mod routes;
 mod server;
@@ -27,7 +27,7 @@ pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target, check_inside};
 pub use made::{Job, Made};
 pub use recording::Growing;
-pub use routes::{Window, Wish};
+pub use routes::{Requests, Window};
 pub use server::Server;
 pub use session::{Session, Work};
 

@@ -1,8 +1,8 @@
 //! HTTP routes of the window: the page, its modules, frames, news, and the user's requests.
 
-use super::following::{Followed, Heard, Lock, Row, Target, check_inside};
+use super::change_log::TargetSpan;
+use super::following::{Changes, Followed, Lock, Row, Target, check_inside};
 use super::made::{Job, Made};
-use super::news::Part;
 use super::server::{Reply, Request, Server};
 use super::{Known, Session, Source, read_boxes};
 use crate::export::boxes::{Format, rounded};
@@ -25,7 +25,7 @@ const PATIENCE: Duration = Duration::from_secs(15);
 const GATHERING: Duration = Duration::from_millis(40);
 
 /// Requests of a page that need the options of the command line.
-pub trait Wish: Send + Sync {
+pub trait Requests: Send + Sync {
     /// Returns a tracking method with the given options.
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
 
@@ -47,7 +47,7 @@ pub struct Window {
     pub source: Arc<dyn Source>,
     pub followed: Arc<Followed>,
     pub made: Arc<Made>,
-    pub wish: Box<dyn Wish>,
+    pub requests: Box<dyn Requests>,
     pub session: Session,
 }
 
@@ -84,23 +84,23 @@ impl Window {
                 Some(text) => Reply::new("text/javascript; charset=utf-8", text),
                 None => Reply::error(404, "there is no such module"),
             },
-            (false, "source", "") => json_reply(&self.told_source()),
+            (false, "source", "") => json_reply(&self.source_json()),
             (false, "news", "") => json_reply(&self.news(query)?),
             (false, "answers", "") => {
                 let (target, from, to) = (number(query, "target")?, number(query, "from")?, number(query, "to")?);
-                let (rows, to) = self.followed.part(Part { target, from, to });
-                let rows: Vec<_> = rows.into_iter().map(|(frame, row)| told_row(&(target, frame, row))).collect();
+                let (rows, to) = self.followed.part(TargetSpan { target, from, to });
+                let rows: Vec<_> = rows.into_iter().map(|(frame, row)| row_json(&(target, frame, row))).collect();
                 json_reply(&json!({ "rows": rows, "to": to }))
             }
             (false, "frames", name) if name.ends_with(".png") => self.part(name, query)?,
             (false, "frames", name) => self.picture(name),
             (false, "boxes", "") => {
                 let format = value(query, "format").context("expected ?format=")?;
-                saved(self.wish.boxes(self, format)?)
+                saved(self.requests.boxes(self, format)?)
             }
             (false, "made", id) => saved(self.made.file(id.parse().context("expected a number")?)?),
             (false, "firmware", "") => {
-                Reply::new("text/plain; charset=utf-8", self.wish.firmware(&self.followed.variant()))
+                Reply::new("text/plain; charset=utf-8", self.requests.firmware(&self.followed.variant()))
             }
             (true, "targets", "") => {
                 let targets: Vec<Target> = serde_json::from_slice(body).context("expected a list of targets")?;
@@ -121,12 +121,12 @@ impl Window {
             }
             (true, "method", "") => {
                 let (method, options): (String, Option<Map<_, _>>) = (field(body, "method")?, field(body, "options")?);
-                self.followed.set_variant(self.wish.variant(&method, &options.unwrap_or_default())?);
+                self.followed.set_variant(self.requests.variant(&method, &options.unwrap_or_default())?);
                 self.keep();
                 json_reply(&json!({}))
             }
             (true, "place", "") => {
-                self.told(self.session.shows(field(body, "frame")?));
+                self.log_message(self.session.shows(field(body, "frame")?));
                 json_reply(&json!({}))
             }
             (true, "film", "") => {
@@ -151,15 +151,15 @@ impl Window {
     }
 
     fn keep(&self) {
-        self.told(self.session.keep(|work| {
+        self.log_message(self.session.keep(|work| {
             let variant = self.followed.variant();
             (work.method, work.options) = (variant.kind.name().to_owned(), variant.options);
             work.targets = self.followed.targets();
         }));
     }
 
-    fn told(&self, line: Option<String>) {
-        line.into_iter().for_each(|line| self.followed.tell(|news| news.say(line)));
+    fn log_message(&self, line: Option<String>) {
+        line.into_iter().for_each(|line| self.followed.tell(|log| log.say(line)));
     }
 
     pub fn known(&self) -> Known {
@@ -168,10 +168,10 @@ impl Window {
 
     /// Returns the command-line arguments for the source, limited to the frames before damaged data.
     fn words(&self) -> String {
-        self.words.clone() + &self.followed.whole().map_or(String::new(), |last| format!(" --frames ..{last}"))
+        self.words.clone() + &self.followed.last_intact().map_or(String::new(), |last| format!(" --frames ..{last}"))
     }
 
-    fn told_source(&self) -> Value {
+    fn source_json(&self) -> Value {
         let Known { frames, times } = self.known();
         let variant = self.followed.variant();
         let (targets, revision) = self.followed.revision();
@@ -204,18 +204,18 @@ impl Window {
     fn news(&self, query: &str) -> Result<Value> {
         let since = number(query, "since")?;
         let patience = if value(query, "wait") == Some("0") { Duration::ZERO } else { PATIENCE };
-        let mut heard = self.followed.heard(since, patience);
+        let mut heard = self.followed.wait_for_changes(since, patience);
         if !patience.is_zero() && heard.position > since && heard.rows.len() < 100 {
             thread::sleep(GATHERING);
-            heard = self.followed.heard(since, Duration::ZERO);
+            heard = self.followed.wait_for_changes(since, Duration::ZERO);
         }
-        let Heard { position, void, changed, rows, said, made, frames, targets } = heard;
+        let Changes { position, void, changed, rows, messages, made, frames, targets } = heard;
         let (followed, at) = self.followed.reached(self.source.known().frames);
         // JavaScript has no exact integers beyond 2^53.
-        let told = |part: &Part| json!([part.target, part.from, part.to.min(u32::MAX as usize)]);
+        let told = |part: &TargetSpan| json!([part.target, part.from, part.to.min(u32::MAX as usize)]);
         let mut news = json!({
             "position": position,
-            "rows": rows.iter().map(told_row).collect::<Vec<_>>(),
+            "rows": rows.iter().map(row_json).collect::<Vec<_>>(),
             "changed": changed.iter().map(told).collect::<Vec<_>>(),
             "followed": followed,
             "session": self.session.name(),
@@ -238,8 +238,8 @@ impl Window {
             }
             news["live"] = json!(self.source.live());
         }
-        if !said.is_empty() {
-            news["said"] = json!(said.join(" / "));
+        if !messages.is_empty() {
+            news["said"] = json!(messages.join(" / "));
         }
         if !made.is_empty() {
             news["exports"] = made.iter().filter_map(|&id| self.made.of(id)).map(|one| json!(one)).collect();
@@ -272,9 +272,9 @@ impl Window {
     }
 
     fn make(&self, ending: &str) -> Result<Reply> {
-        let job = self.wish.made(self, ending)?;
+        let job = self.requests.made(self, ending)?;
         let followed = Arc::clone(&self.followed);
-        let id = self.made.begin(job, move |id| followed.tell(|news| news.makes(id)))?;
+        let id = self.made.begin(job, move |id| followed.tell(|log| log.log_progress(id)))?;
         Ok(json_reply(&json!(self.made.of(id))))
     }
 }
@@ -322,7 +322,7 @@ fn number<T: FromStr>(query: &str, name: &str) -> Result<T> {
 
 /// Returns an answer as JSON for the page:
 /// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, runner-up's ratio]`
-fn told_row(&(target, frame, Row { report, shown, .. }): &(u32, usize, Row)) -> Value {
+fn row_json(&(target, frame, Row { report, shown, .. }): &(u32, usize, Row)) -> Value {
     let Report { state, evidence, work, .. } = report;
     let BoundingBox { x, y, width, height } = shown;
     json!([

@@ -87,18 +87,18 @@ impl Running {
         let (mut said, mut rows) = (Vec::new(), Vec::new());
         loop {
             let is_done = self.followed.reached(None).1.is_none();
-            let heard = self.followed.heard(self.position, Duration::from_millis(20));
+            let heard = self.followed.wait_for_changes(self.position, Duration::from_millis(20));
             if is_done && heard.position == self.position {
                 return (said, rows);
             }
             self.position = heard.position;
-            said.extend(heard.said);
-            let part = |part: &Part| self.part(*part);
+            said.extend(heard.messages);
+            let part = |part: &TargetSpan| self.part(*part);
             rows.extend(if heard.rows.is_empty() { heard.changed.iter().flat_map(part).collect() } else { heard.rows });
         }
     }
 
-    fn part(&self, part: Part) -> Vec<(u32, usize, Row)> {
+    fn part(&self, part: TargetSpan) -> Vec<(u32, usize, Row)> {
         self.followed.part(part).0.into_iter().map(|(frame, row)| (part.target, frame, row)).collect()
     }
 
@@ -213,7 +213,7 @@ fn other_trackers_follow_all_again() {
     let position = running.position;
     running.followed.set_variant(variant(MethodKind::Robust));
     running.heard();
-    assert_eq!(running.followed.heard(position, Duration::ZERO).void, [Part::all(1)]);
+    assert_eq!(running.followed.wait_for_changes(position, Duration::ZERO).void, [TargetSpan::all(1)]);
     assert_eq!(answered(&running, 0), expected(MethodKind::Robust, &[3]));
     let reads = running.scene.read.load(Ordering::SeqCst);
     running.followed.set_variant(variant(MethodKind::Smr));
@@ -289,21 +289,21 @@ fn a_page_asks_for_many_answers_by_parts() {
     let mut running = Running::start(Scene::default(), targets);
     let (_, rows) = running.heard();
     assert_eq!(rows.len(), 4 * FRAMES, "each answer once");
-    let all = running.followed.heard(0, Duration::ZERO);
+    let all = running.followed.wait_for_changes(0, Duration::ZERO);
     assert_eq!((all.rows.len(), all.changed.len(), all.position), (0, 4, running.position));
-    running.followed.tell(|news| news.makes(7));
-    let next = running.followed.heard(all.position, Duration::ZERO);
+    running.followed.tell(|log| log.log_progress(7));
+    let next = running.followed.wait_for_changes(all.position, Duration::ZERO);
     assert_eq!((all.made.len(), next.made, next.changed.len()), (0, vec![7], 0), "each change is told once");
-    assert_eq!(all.changed[3], Part { target: 4, from: 1, to: FRAMES });
-    let (rows, to) = running.followed.part(Part { target: 4, from: 50, to: usize::MAX });
+    assert_eq!(all.changed[3], TargetSpan { target: 4, from: 1, to: FRAMES });
+    let (rows, to) = running.followed.part(TargetSpan { target: 4, from: 50, to: usize::MAX });
     assert_eq!((rows.len(), rows[0].0, to), (FRAMES - 49, 50, usize::MAX));
     // A page that has not polled for long reloads everything.
     for turn in 0..1100 {
         running.try_set(vec![target(1, if turn % 2 == 0 { &[1, 30] } else { &[1] }), target(2, &[1])]).unwrap();
     }
     running.heard();
-    let anew = running.followed.heard(all.position, Duration::ZERO);
-    assert!((anew.void, anew.rows.len()) == (vec![Part::all(1), Part::all(2)], 0));
+    let anew = running.followed.wait_for_changes(all.position, Duration::ZERO);
+    assert!((anew.void, anew.rows.len()) == (vec![TargetSpan::all(1), TargetSpan::all(2)], 0));
     assert_eq!(anew.changed.iter().map(|part| running.part(*part).len()).sum::<usize>(), 2 * FRAMES);
 }
 

@@ -4,13 +4,13 @@ use std::collections::VecDeque;
 
 /// A range of a target's frames, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Part {
+pub(super) struct TargetSpan {
     pub target: u32,
     pub from: usize,
     pub to: usize,
 }
 
-impl Part {
+impl TargetSpan {
     pub const fn all(target: u32) -> Self {
         Self { target, from: 1, to: usize::MAX }
     }
@@ -18,25 +18,24 @@ impl Part {
 
 /// Most discarded frame ranges in the log; a page that has missed older ones reloads everything.
 const MOST_VOID: usize = 1000;
-/// Most messages for the user in the log.
-const MOST_SAID: usize = 4;
+const MOST_MESSAGES: usize = 4;
 
 /// The log of all changes except answers, whose positions are stored with them.
 #[derive(Default)]
-pub(super) struct News {
+pub(super) struct ChangeLog {
     end: u64,
     /// Position of the last change of the targets.
     pub targets: u64,
     /// Position of the last change of the frame count or of frame times.
     pub frames: u64,
-    said: VecDeque<(u64, String)>,
+    messages: VecDeque<(u64, String)>,
     made: VecDeque<(u64, u32)>,
-    void: VecDeque<(u64, Part)>,
+    void: VecDeque<(u64, TargetSpan)>,
     /// Position of the latest entry of `void` that was dropped from the log.
     forgotten: u64,
 }
 
-impl News {
+impl ChangeLog {
     pub const fn end(&self) -> u64 {
         self.end
     }
@@ -48,7 +47,7 @@ impl News {
     }
 
     /// Logs that pages must discard the answers of a frame range.
-    pub fn void(&mut self, part: Part) {
+    pub fn void(&mut self, part: TargetSpan) {
         let at = self.next();
         self.void.push_back((at, part));
         if self.void.len() > MOST_VOID {
@@ -58,14 +57,14 @@ impl News {
 
     pub fn say(&mut self, line: String) {
         let at = self.next();
-        self.said.push_back((at, line));
-        if self.said.len() > MOST_SAID {
-            self.said.pop_front();
+        self.messages.push_back((at, line));
+        if self.messages.len() > MOST_MESSAGES {
+            self.messages.pop_front();
         }
     }
 
     /// Logs progress of file `id`, a video or report that the user has ordered.
-    pub fn makes(&mut self, id: u32) {
+    pub fn log_progress(&mut self, id: u32) {
         let at = self.next();
         self.made.retain(|(_, other)| *other != id);
         self.made.push_back((at, id));
@@ -77,8 +76,8 @@ impl News {
     }
 
     /// Returns the discarded frame ranges, the messages, and the ids of files with progress after position `since`.
-    pub fn after(&self, since: u64) -> (Vec<Part>, Vec<String>, Vec<u32>) {
-        (after(&self.void, since), after(&self.said, since), after(&self.made, since))
+    pub fn after(&self, since: u64) -> (Vec<TargetSpan>, Vec<String>, Vec<u32>) {
+        (after(&self.void, since), after(&self.messages, since), after(&self.made, since))
     }
 }
 
@@ -92,19 +91,19 @@ mod tests {
 
     #[test]
     fn what_came_behind_a_position_is_told_and_memory_is_bounded() {
-        let mut news = News::default();
-        news.say("one".to_owned());
-        news.makes(7);
-        news.void(Part::all(1));
-        news.makes(3);
-        news.makes(7);
-        assert_eq!(news.after(0), (vec![Part::all(1)], vec!["one".to_owned()], vec![3, 7]));
-        assert_eq!(news.after(1), (vec![Part::all(1)], vec![], vec![3, 7]));
-        assert_eq!((news.after(4), news.after(5), news.end()), ((vec![], vec![], vec![7]), Default::default(), 5));
-        (0..2 * MOST_VOID).for_each(|_| news.void(Part::all(2)));
-        (0..9).for_each(|_| news.say("more".to_owned()));
-        let (void, said, _) = news.after(0);
-        assert_eq!((void.len(), said.len()), (MOST_VOID, MOST_SAID));
-        assert!(news.remembers(0) && !news.remembers(3) && news.remembers(news.forgotten));
+        let mut log = ChangeLog::default();
+        log.say("one".to_owned());
+        log.log_progress(7);
+        log.void(TargetSpan::all(1));
+        log.log_progress(3);
+        log.log_progress(7);
+        assert_eq!(log.after(0), (vec![TargetSpan::all(1)], vec!["one".to_owned()], vec![3, 7]));
+        assert_eq!(log.after(1), (vec![TargetSpan::all(1)], vec![], vec![3, 7]));
+        assert_eq!((log.after(4), log.after(5), log.end()), ((vec![], vec![], vec![7]), Default::default(), 5));
+        (0..2 * MOST_VOID).for_each(|_| log.void(TargetSpan::all(2)));
+        (0..9).for_each(|_| log.say("more".to_owned()));
+        let (void, messages, _) = log.after(0);
+        assert_eq!((void.len(), messages.len()), (MOST_VOID, MOST_MESSAGES));
+        assert!(log.remembers(0) && !log.remembers(3) && log.remembers(log.forgotten));
     }
 }
