@@ -1,7 +1,7 @@
 //! Runs tracking methods through a recording. The result, a film, has their answers in every frame and some pictures.
 
 use super::player_frames::Pictures;
-use super::search::{self, Looking, Sight};
+use super::search::{self, Observation, ObservedTracker};
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 use smr_core::Rect;
@@ -15,7 +15,7 @@ pub struct Film {
     /// Methods that ran. With several targets there is one entry per target and method, named after both.
     pub methods: Vec<Variant>,
     /// For each entry of `methods`, the index of its target in `targets`.
-    pub(super) of: Vec<usize>,
+    pub(super) method_targets: Vec<usize>,
     pub(super) size: (u16, u16),
     pub(super) targets: Vec<Locked>,
     pub(super) padding: u16,
@@ -27,7 +27,7 @@ pub struct Film {
     pub(super) pictures: Option<Pictures>,
     pub(super) files: Vec<ResultFile>,
     /// For each entry of `files`, the index of its name among the files of the whole page, which selects its color.
-    pub(super) places: Vec<usize>,
+    pub(super) file_name_indices: Vec<usize>,
     pub(super) first: usize,
     /// Remarks for the reader: methods that were left out, and why.
     pub notes: Vec<String>,
@@ -58,7 +58,7 @@ impl Locked {
 }
 
 struct Pair {
-    follower: Follower<Looking>,
+    follower: Follower<ObservedTracker>,
     variant: Variant,
     target: usize,
 }
@@ -82,7 +82,7 @@ pub(super) struct Still {
     /// Frame index, from 0.
     pub index: usize,
     pub frame: GrayFrame,
-    pub sights: Vec<Sight>,
+    pub observations: Vec<Observation>,
 }
 
 /// Runs all `methods` on all `targets` of the sequence; without targets, on the sequence's start box. Frames are not
@@ -120,19 +120,19 @@ pub fn watch(
         let look = |Pair { follower, variant, target }: &mut Pair| {
             let report = follower.step(index + first, &frame);
             let report = report.with_context(|| format!("{name}: {}", variant.name))?;
-            let begun = report.zip(follower.method.sight.take());
+            let begun = report.zip(follower.method.observation.take());
             Ok(begun.unwrap_or_else(|| search::not_begun(targets[*target].start())))
         };
-        let looks: Result<Vec<(Report, Sight)>> = pairs.iter_mut().map(look).collect();
-        let (reports, sights): (Vec<Report>, Vec<Sight>) = looks?.into_iter().unzip();
+        let looks: Result<Vec<(Report, Observation)>> = pairs.iter_mut().map(look).collect();
+        let (reports, observations): (Vec<Report>, Vec<Observation>) = looks?.into_iter().unzip();
         size = (frame.width, frame.height);
-        moments.push(Moment { reports, lasts: sights.iter().map(|sight| sight.bbox).collect() });
+        moments.push(Moment { reports, lasts: observations.iter().map(|observation| observation.bbox).collect() });
         times.push(moment.map(|moment| moment.seconds()));
         if let Some((pictures, color)) = pictures.as_mut().zip(color) {
-            pictures.offer(index, &color, &sights)?;
+            pictures.offer(index, &color, &observations)?;
         }
         if stills.contains(&index) {
-            kept.push(Still { index, frame, sights });
+            kept.push(Still { index, frame, observations });
         }
         progress();
     }
@@ -145,7 +145,7 @@ pub fn watch(
     let truth = truth.filter(|_| targets.len() == 1);
     Ok(Film {
         name,
-        of: pairs.iter().map(|pair| pair.target).collect(),
+        method_targets: pairs.iter().map(|pair| pair.target).collect(),
         methods: pairs.into_iter().map(|pair| pair.variant).collect(),
         size,
         targets,
@@ -156,7 +156,7 @@ pub fn watch(
         truth,
         pictures,
         files: Vec::new(),
-        places: Vec::new(),
+        file_name_indices: Vec::new(),
         first,
         notes,
     })
@@ -170,7 +170,7 @@ fn pairs(targets: &[Locked], methods: &[Variant], first: usize) -> Result<Vec<Pa
             variant.name = format!("{name}, {}", method.name);
         }
         let starts = locked.starts.iter().map(|&(index, start)| (index + first, start)).collect();
-        Ok(Pair { follower: Follower::new(Box::new(Looking::new(method)?), starts), variant, target })
+        Ok(Pair { follower: Follower::new(Box::new(ObservedTracker::new(method)?), starts), variant, target })
     };
     all.map(pair).collect()
 }
@@ -226,7 +226,7 @@ impl Film {
 
     /// True if the method's target is present in frame `index`: its first box was given, and it is not gone.
     pub(super) fn has(&self, method: usize, index: usize) -> bool {
-        self.targets[self.of[method]].is_there(index)
+        self.targets[self.method_targets[method]].is_there(index)
     }
 
     /// Returns the pixels of padding to show around the frame, limited because a wide padding leaves little space.
@@ -340,7 +340,7 @@ mod tests {
         let film = watch(open(), vec![], &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).unwrap();
         let mut searched = 0;
         for still in &film.stills {
-            let Some(search) = &still.sights[0].search else { continue };
+            let Some(search) = &still.observations[0].search else { continue };
             let evidence = film.moments[still.index].reports[0].evidence.unwrap();
             let alpha = search.alpha.unwrap();
             let counting = search.difference.pixels.pixels.iter().filter(|&&d| u16::from(d) < alpha);

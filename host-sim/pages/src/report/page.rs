@@ -17,7 +17,7 @@ const STYLE: &str = include_str!("page.css");
 const PAGE: &str = include_str!("page.html");
 
 /// Fewest wrong frames in a row after which a method counts as having left the target.
-const LEAST_PARTING: usize = 10;
+const MIN_FAILURE_FRAMES: usize = 10;
 
 /// Title of the page, and the command line and options for its footer.
 pub struct About {
@@ -33,7 +33,7 @@ pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> 
     ensure!(!films.is_empty(), "there is no recording to show");
     place_files(films);
     loop {
-        let page = whole(films, about)?;
+        let page = render(films, about)?;
         if page.len() <= budget {
             return Ok(page);
         }
@@ -45,7 +45,7 @@ pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> 
     }
 }
 
-fn whole(films: &[Film], about: &About) -> Result<String> {
+fn render(films: &[Film], about: &About) -> Result<String> {
     let measured = films.iter().map(Measured::new).collect::<Result<Vec<_>>>()?;
     let measured: Vec<Measured<'_>> = measured.into_iter().flatten().collect();
     let page = context! {
@@ -84,7 +84,7 @@ fn recording(film: &Film) -> Result<Value> {
 /// Returns for each target the count of frames in each state of the first method.
 fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
     let of = |target: usize| {
-        let method = film.of.iter().position(|of| *of == target)?;
+        let method = film.method_targets.iter().position(|of| *of == target)?;
         let there = || film.moments.iter().enumerate().filter(|(index, _)| film.has(method, *index));
         let count = |state: State| there().filter(|(_, moment)| moment.reports[method].state == state).count();
         let states = film.methods[method].kind.states().iter().map(|&state| (name_of(state), count(state)));
@@ -104,7 +104,7 @@ fn lead(film: &Film) -> Result<Option<String>> {
         titled(film, best, SENTENCE) + &format!(" follows the target in {all} {visible} frames that show it");
     for other in (0..film.methods.len()).filter(|method| *method != best) {
         let _ = write!(said, "; {} in {}", titled(film, other, SENTENCE), correct(other));
-        if let Some((index, is_lost)) = parting(film, best, other)? {
+        if let Some((index, is_lost)) = longest_failure(film, best, other)? {
             let place = film.clock(index).unwrap_or_else(|| format!("frame {}", index + film.first));
             let _ = write!(said, ": {} at {place}", if is_lost { "it loses it" } else { "it goes astray" });
         }
@@ -116,7 +116,7 @@ fn lead(film: &Film) -> Result<Option<String>> {
 /// Finds the longest run of frames in which `other` is wrong while `best` is correct, ignoring frames in which the
 /// target is hidden. Returns its first frame, and true if `other` is mostly *lost* in it; `None` if the run is short.
 /// Errors: The ground truth has another length than the film.
-pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
+pub(super) fn longest_failure(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
     let Some(truth) = &film.truth else { return Ok(None) };
     let of = |method: usize| overlaps(&film.trajectory(method), truth);
     let (best, right) = (of(best)?, of(other)?);
@@ -127,7 +127,7 @@ pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<(
         longest = if span.len() > longest.len() { span.clone() } else { longest };
     }
     let lost = longest.clone().filter(|index| film.moments[*index].reports[other].state == State::Lost).count();
-    Ok((longest.len() >= LEAST_PARTING).then_some((longest.start, 2 * lost > longest.len())))
+    Ok((longest.len() >= MIN_FAILURE_FRAMES).then_some((longest.start, 2 * lost > longest.len())))
 }
 
 /// Formats a target's locks as `car: 40x48 at (150, 100), gone in frame 200, 40x48 at (170, 90) in frame 300`.

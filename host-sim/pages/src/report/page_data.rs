@@ -2,7 +2,7 @@
 
 use super::difference::{BAR, BARS};
 use super::film::{Film, Locked, Moment};
-use super::page::parting;
+use super::page::longest_failure;
 use super::player_frames::Pictures;
 use super::trackers::{Entrant, TRUTH_LOOK, entrants};
 use crate::encode::base64;
@@ -23,7 +23,7 @@ fn recording(film: &Film) -> Result<Value> {
     let mut entrants = entrants(film).iter().map(|entrant| figures(film, entrant)).collect::<Result<Vec<_>>>()?;
     entrants.extend(film.truth.as_deref().map(truth_of));
     let margin = film.margin().min(film.overhang());
-    let parting = if film.methods.len() > 1 { parting(film, 0, 1)? } else { None };
+    let failure = if film.methods.len() > 1 { longest_failure(film, 0, 1)? } else { None };
     Ok(json!({
         "name": film.name,
         "width": film.size.0,
@@ -33,7 +33,7 @@ fn recording(film: &Film) -> Result<Value> {
         "frames": film.moments.len(),
         // Null if no time is known.
         "times": film.times.iter().any(Option::is_some).then(|| rounded(film.times.iter().copied(), 3)),
-        "parting": parting.map(|(index, _)| index + film.first),
+        "parting": failure.map(|(index, _)| index + film.first),
         "targets": film.targets.iter().map(|target| target_of(film, target)).collect::<Vec<_>>(),
         "entrants": entrants,
         "pictures": film.pictures.as_ref().map(pictures),
@@ -86,7 +86,7 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
         "short": entrant.short,
         "look": entrant.look,
         "method": entrant.method,
-        "target": entrant.method.map(|method| film.of[method]),
+        "target": entrant.method.map(|method| film.method_targets[method]),
         "boxes": boxes(answers),
         "lasts": lasts,
         "states": states,

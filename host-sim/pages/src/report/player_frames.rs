@@ -2,7 +2,7 @@
 
 use super::difference::{BARS, differences, patch};
 use super::page_data::round;
-use super::search::{Search, Sight};
+use super::search::{Observation, Search};
 use crate::encode::{self, base64};
 use anyhow::Result;
 use serde_json::{Value, json};
@@ -41,11 +41,11 @@ impl Pictures {
     }
 
     /// Adds frame `index` if it is a multiple of `every`, and shrinks the pictures while they exceed the limit.
-    pub fn offer(&mut self, index: usize, frame: &ColorFrame, sights: &[Sight]) -> Result<()> {
+    pub fn offer(&mut self, index: usize, frame: &ColorFrame, observations: &[Observation]) -> Result<()> {
         if !index.is_multiple_of(self.every) {
             return Ok(());
         }
-        let compared = sights.iter().map(comparison).collect::<Result<Vec<_>>>()?;
+        let compared = observations.iter().map(comparison).collect::<Result<Vec<_>>>()?;
         let (comparisons, sizes): (Vec<_>, Vec<usize>) = compared.into_iter().unzip();
         let jpeg = small(frame, self.side)?;
         let side = frame.width.max(frame.height).min(self.side);
@@ -88,8 +88,8 @@ fn small(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
 }
 
 /// Returns the template, the difference map and its histogram as JSON, and their bytes in the page.
-fn comparison(sight: &Sight) -> Result<(Value, usize)> {
-    let Some(Search { difference, alpha }) = &sight.search else { return Ok((Value::Null, 0)) };
+fn comparison(observation: &Observation) -> Result<(Value, usize)> {
+    let Some(Search { difference, alpha }) = &observation.search else { return Ok((Value::Null, 0)) };
     let template = patch(&thinned(&difference.template))?;
     let map = differences(&thinned(&difference.pixels), *alpha)?;
     let compared = json!({

@@ -8,7 +8,7 @@ use smr_evaluation::{Method, MethodKind, Paper, Report, Variant};
 use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, free_gain, relit, threshold};
 
-pub struct Sight {
+pub struct Observation {
     /// Box of the method. While lost, it is the last accepted box or the tracker's unconfirmed one.
     pub bbox: BoundingBox,
     /// Compared pixels; `None` in the frame of a lock, which needs no search.
@@ -23,68 +23,68 @@ pub struct Search {
     pub alpha: Option<u16>,
 }
 
-pub(super) struct Looking {
+pub(super) struct ObservedTracker {
     kind: MethodKind,
-    tracker: Looked,
+    tracker: AnyTracker,
     /// Box and compared pixels of the last frame, until the caller takes them.
-    pub sight: Option<Sight>,
+    pub observation: Option<Observation>,
 }
 
-enum Looked {
+enum AnyTracker {
     Paper(Box<Tracker<Paper>>),
     Robust(Box<Tracker<Robust>>),
     Baseline(Box<dyn Method>),
 }
 
-impl Looking {
+impl ObservedTracker {
     /// Errors: smr-core rejects a parameter of the configuration.
     pub fn new(variant: &Variant) -> Result<Self> {
         let mut configs = variant.configs;
         // The page plots the runner-up's score, so it is computed in every frame; answers stay the same.
         configs.paper.runner_up_always = true;
         let tracker = match variant.kind {
-            MethodKind::Smr => Looked::Paper(Box::new(Tracker::with(configs.paper)?)),
-            MethodKind::Robust => Looked::Robust(Box::new(Tracker::with(configs.robust)?)),
-            _ => Looked::Baseline(variant.build()?),
+            MethodKind::Smr => AnyTracker::Paper(Box::new(Tracker::with(configs.paper)?)),
+            MethodKind::Robust => AnyTracker::Robust(Box::new(Tracker::with(configs.robust)?)),
+            _ => AnyTracker::Baseline(variant.build()?),
         };
-        Ok(Self { kind: variant.kind, tracker, sight: None })
+        Ok(Self { kind: variant.kind, tracker, observation: None })
     }
 }
 
-impl Method for Looking {
+impl Method for ObservedTracker {
     fn kind(&self) -> MethodKind {
         self.kind
     }
 
     fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()> {
         match &mut self.tracker {
-            Looked::Paper(tracker) => tracker.lock(frame, start).map(|_| ())?,
-            Looked::Robust(tracker) => tracker.lock(frame, start).map(|_| ())?,
-            Looked::Baseline(tracker) => tracker.lock(frame, start)?,
+            AnyTracker::Paper(tracker) => tracker.lock(frame, start).map(|_| ())?,
+            AnyTracker::Robust(tracker) => tracker.lock(frame, start).map(|_| ())?,
+            AnyTracker::Baseline(tracker) => tracker.lock(frame, start)?,
         }
-        self.sight = Some(Sight { bbox: start.into(), search: None });
+        self.observation = Some(Observation { bbox: start.into(), search: None });
         Ok(())
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
         let image = frame.patch(frame.bounds()).context("a frame to be shown is wholly in memory")?.into();
-        let (report, sight) = match &mut self.tracker {
-            Looked::Paper(tracker) => paper(tracker, &image)?,
-            Looked::Robust(tracker) => robust(tracker, &image)?,
-            Looked::Baseline(tracker) => baseline(tracker.as_mut(), &image)?,
+        let (report, observation) = match &mut self.tracker {
+            AnyTracker::Paper(tracker) => paper(tracker, &image)?,
+            AnyTracker::Robust(tracker) => robust(tracker, &image)?,
+            AnyTracker::Baseline(tracker) => baseline(tracker.as_mut(), &image)?,
         };
-        self.sight = Some(sight);
+        self.observation = Some(observation);
         Ok(report)
     }
 }
 
 /// Returns a *lost* report for a frame without the target; the box to draw is the target's first one, `start`.
-pub(super) fn not_begun(start: Rect) -> (Report, Sight) {
+pub(super) fn not_begun(start: Rect) -> (Report, Observation) {
     let report = Report { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
-    (report, Sight { bbox: start.into(), search: None })
+    (report, Observation { bbox: start.into(), search: None })
 }
 
-fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Sight)> {
+fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Observation)> {
     // The template, before this frame replaces it.
     let template = GrayFrame::from(tracker.target().template().context("there is no template yet")?);
     let answer = tracker.update(&frame.frame())?;
@@ -93,12 +93,12 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Sig
     let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
     let search = Search { difference: Difference::new(frame, peak, template), alpha: answer.alpha };
     let report = Report { work: Some(work), ..answer.into() };
-    Ok((report, Sight { bbox: answer.bbox.into(), search: Some(search) }))
+    Ok((report, Observation { bbox: answer.bbox.into(), search: Some(search) }))
 }
 
 /// Updates the tracker and repeats its comparison: samples its box on the tracker's grid, and adapts the early template
 /// to the brightness of the sample.
-fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Sight)> {
+fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Observation)> {
     let grid = tracker.target().grid().context("there is no grid yet")?;
     let early = tracker.target().early_template().context("there is no early template yet")?;
     let (columns, rows) = (grid.columns.into(), grid.rows.into());
@@ -132,13 +132,13 @@ fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, S
     };
     let search = Search { difference, alpha: Some(byte(threshold(&numbers, &early, &seen, gain)).into()) };
     let report = Report { work: Some(work), ..answer.into() };
-    Ok((report, Sight { bbox: target, search: Some(search) }))
+    Ok((report, Observation { bbox: target, search: Some(search) }))
 }
 
-fn baseline(tracker: &mut dyn Method, frame: &GrayFrame) -> Result<(Report, Sight)> {
+fn baseline(tracker: &mut dyn Method, frame: &GrayFrame) -> Result<(Report, Observation)> {
     let template = GrayFrame::from(tracker.template().context("there is no template yet")?);
     let report = tracker.update(&frame.frame())?;
     let (bbox, at) = report.target.zip(report.bbox).context("a baseline always answers")?;
     let difference = Difference::new(frame, at, template);
-    Ok((report, Sight { bbox, search: Some(Search { difference, alpha: None }) }))
+    Ok((report, Observation { bbox, search: Some(Search { difference, alpha: None }) }))
 }

@@ -22,7 +22,7 @@ pub(super) struct Entrant {
 /// Returns a method's title after its target's name, if it has one; `words` is `TITLE`, `SHORT` or `SENTENCE`.
 pub(super) fn titled(film: &Film, method: usize, words: usize) -> String {
     let title = METHODS[look_of_method(film.methods[method].kind)].2[words];
-    let name = film.targets[film.of[method]].name.as_ref();
+    let name = film.targets[film.method_targets[method]].name.as_ref();
     name.map_or(title.to_owned(), |name| format!("{name}, {title}"))
 }
 
@@ -40,7 +40,7 @@ pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
         name: file.name.clone(),
         title: file.name.clone(),
         short: file.name.clone(),
-        look: look_of_file(film.places.get(index).copied().unwrap_or(index)),
+        look: look_of_file(film.file_name_indices.get(index).copied().unwrap_or(index)),
         answers: file.answers.clone(),
         method: None,
     });
@@ -57,7 +57,7 @@ pub(super) fn place_files(films: &mut [Film]) {
                 names.len() - 1
             })
         };
-        film.places = film.files.iter().map(|file| &file.name).map(place).collect();
+        film.file_name_indices = film.files.iter().map(|file| &file.name).map(place).collect();
     }
 }
 

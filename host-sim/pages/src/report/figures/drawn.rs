@@ -29,7 +29,7 @@ pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
         sheet.words(at(0.0, 8.0), "start", &words, color_of(row));
         let seen = &compared(still, row)?.difference;
         sheet.patch(at(0.0, LINE), PATCH, &patch(&seen.template)?);
-        let bbox = still.sights[row].bbox.to_rect().context("a box of pixels")?;
+        let bbox = still.observations[row].bbox.to_rect().context("a box of pixels")?;
         sheet.patch(at(1.0, LINE), PATCH, &patch(&part(&still.frame, bbox))?);
         sheet.words(at(0.0, LINE + PATCH.1 + 12.0), "start", "template", WHITE);
         sheet.words(at(1.0, LINE + PATCH.1 + 12.0), "start", "in its box", WHITE);

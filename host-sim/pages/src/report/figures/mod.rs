@@ -89,7 +89,7 @@ impl Plan {
 }
 
 fn compared(still: &Still, method: usize) -> Result<&Search> {
-    still.sights[method].search.as_ref().context("something is compared in every frame but the first")
+    still.observations[method].search.as_ref().context("something is compared in every frame but the first")
 }
 
 /// Count of frames before and after an occlusion that are scored and plotted.

@@ -112,9 +112,9 @@ impl Sheet {
         let corner = (at.0 + margin * scale, at.1 + margin * scale);
         self.picture(corner, (width * scale, height * scale), "", &data_uri("image/jpeg", &jpeg(&still.frame, GOOD)?));
         let answers = &film.moments[still.index].reports;
-        let boxes = (0..).zip(&still.sights).map(|(method, sight)| {
+        let boxes = (0..).zip(&still.observations).map(|(method, observation)| {
             let stroke = if answers[method].target.is_none() { DOTTED } else { STROKES[method] };
-            (sight.bbox, color_of(method), stroke)
+            (observation.bbox, color_of(method), stroke)
         });
         let truth = film.truth_at(still.index).map(|truth| (truth, TRUTH, DOTTED));
         for (bbox, color, stroke) in boxes.chain(truth) {
