@@ -14,10 +14,10 @@ export class Follower {
     };
   }
 
-  /** Sends a request to the worker; `wish` is its name. A `picture` is transferred without a copy. */
-  ask(wish, of = {}) {
+  /** Sends a request to the worker by its name. A `picture` is transferred without a copy. */
+  ask(request, of = {}) {
     const ticket = this.#tickets++;
-    this.#worker.postMessage({ wish, ticket, ...of }, of.picture === undefined ? [] : [of.picture]);
+    this.#worker.postMessage({ request, ticket, ...of }, of.picture === undefined ? [] : [of.picture]);
     return new Promise((resolve, reject) => this.#waiting.set(ticket, { resolve, reject }));
   }
 

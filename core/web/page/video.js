@@ -14,7 +14,7 @@ const SLACK = 1.25;
 // Ratio of the mean to the shortest time between pictures, above which a video's frames count as uneven.
 const UNEVEN = 1.2;
 // A time in seconds that is shorter than files can resolve.
-const HAIR = 0.0005;
+const TIME_EPSILON = 0.0005;
 // Count of decoded pictures in the queue at which the video pauses.
 const MOST_WAITING = 3;
 // Playback rate, while pictures are taken from the queue fast enough.
@@ -298,7 +298,7 @@ export class Video {
 
   async #show(number) {
     const before = this.#known.times[number] === undefined ? this.#known.times[number - 1] : undefined;
-    const found = before === undefined ? await this.#pictureAt(number === 1 ? 0 : this.timeOf(number) + HAIR) : await this.#after(before);
+    const found = before === undefined ? await this.#pictureAt(number === 1 ? 0 : this.timeOf(number) + TIME_EPSILON) : await this.#after(before);
     this.#isEnding = false;
     found === null ? this.#end(number) : this.#add(found, number);
   }
@@ -341,7 +341,7 @@ export class Video {
   // True if `found` may still be the picture from before the seek to `time`, or one that appeared during the pause.
   #isLate(found, before, time) {
     const step = this.#known.step ?? LIKELY_STEP;
-    const isThere = found.time <= time + HAIR && time < found.time + SLACK * step;
+    const isThere = found.time <= time + TIME_EPSILON && time < found.time + SLACK * step;
     return !this.#known.isTimed || (!isThere && Math.abs(found.time - before) < GAP * step);
   }
 
@@ -362,22 +362,22 @@ export class Video {
     const end = Math.min(this.#video.duration, time + 60);
     let reach = GAP * (this.#known.step ?? LIKELY_STEP);
     let next = await this.#pictureAt(time + reach);
-    while (next.time <= time + HAIR && time + reach < end) {
+    while (next.time <= time + TIME_EPSILON && time + reach < end) {
       next.close();
       reach *= 2;
       next = await this.#pictureAt(time + reach);
     }
     // If there is a picture in between, a seek to just before `next` finds it.
     while (next.time - time > GAP * (this.#known.step ?? 0)) {
-      const before = await this.#pictureAt(next.time - HAIR);
-      const isNext = before.time <= time + HAIR;
+      const before = await this.#pictureAt(next.time - TIME_EPSILON);
+      const isNext = before.time <= time + TIME_EPSILON;
       (isNext ? before : next).close();
       if (isNext) {
         return next;
       }
       next = before;
     }
-    if (next.time > time + HAIR) {
+    if (next.time > time + TIME_EPSILON) {
       return next;
     }
     next.close();
@@ -398,7 +398,7 @@ export class Video {
   // Queues the picture that the browser shows during playback, or goes back if one was skipped.
   #played(found) {
     const passed = found.time - this.#ahead.time;
-    if (passed > HAIR && passed <= GAP * (this.#known.step ?? 0)) {
+    if (passed > TIME_EPSILON && passed <= GAP * (this.#known.step ?? 0)) {
       this.#add(found, this.#ahead.number + 1);
       this.#unskipped += 1;
       if (this.#unskipped % PATIENCE === 0) {
@@ -407,7 +407,7 @@ export class Video {
       return;
     }
     found.close();
-    if (passed > HAIR) {
+    if (passed > TIME_EPSILON) {
       this.#goBack(found.time);
     }
   }
@@ -422,7 +422,7 @@ export class Video {
         this.#end(number + 1);
         return;
       }
-      if (next.time < time - HAIR) {
+      if (next.time < time - TIME_EPSILON) {
         [this.#part, this.#unskipped] = [Math.max(this.#part * SLOWER, LEAST_PART), 0];
       }
       this.#add(next, number + 1);
@@ -444,7 +444,7 @@ export class Video {
 
   #add({ picture, time }, number) {
     if (this.#known.times[number - 1] !== undefined) {
-      this.#known.step = Math.min(this.#known.step ?? Infinity, Math.max(time - this.#known.times[number - 1], 2 * HAIR));
+      this.#known.step = Math.min(this.#known.step ?? Infinity, Math.max(time - this.#known.times[number - 1], 2 * TIME_EPSILON));
     }
     this.#known.times[number] = time;
     if (number === this.#known.counted + 1) {

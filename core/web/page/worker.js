@@ -44,7 +44,7 @@ const drawn = new Frames(); // of the built-in recording
 
 const bytesOf = (packed) => unpacked(packed).arrayBuffer();
 
-const WISHES = {
+const HANDLERS = {
   async start({ modules }) {
     if (!hasSimd()) {
       throw new Error("This browser has no SIMD in WebAssembly, which the trackers need: use a current one.");
@@ -132,13 +132,13 @@ function remove(id) {
 
 // Handles requests one after the other; each answer carries its request's ticket.
 let turn = Promise.resolve();
-self.onmessage = ({ data: { wish, ticket, ...of } }) => {
-  turn = turn.then(() => granted(wish, ticket, of));
+self.onmessage = ({ data: { request, ticket, ...of } }) => {
+  turn = turn.then(() => respond(request, ticket, of));
 };
 
-async function granted(wish, ticket, of) {
+async function respond(request, ticket, of) {
   try {
-    const answer = await WISHES[wish](of);
+    const answer = await HANDLERS[request](of);
     self.postMessage({ ticket, answer }, answer?.picture === undefined ? [] : [answer.picture]);
   } catch (error) {
     self.postMessage({ ticket, error: error.message });

@@ -1,7 +1,7 @@
 //! Test of a covered lens: 300 frames that show nothing of the target are inserted in the middle of a recording.
 //!
-//! A tracker should report *tracking* in at most `TRACKING` covered frames, *lost* by covered frame `LOST_BY`, and a
-//! right box within `AGAIN` frames after the cover, if its box was right before.
+//! A tracker should report *tracking* in at most `MAX_TRACKING_FRAMES` covered frames, *lost* by covered frame
+//! `LOST_BY`, and a right box within `RECOVERY_FRAMES` frames after the cover, if its box was right before.
 
 use super::matrix::{self, Case, Intervention, Measured, Progress, Protocol, Recording};
 use super::robustness::whole;
@@ -18,11 +18,11 @@ use std::sync::Arc;
 
 const FRAMES: usize = 300;
 /// Most covered frames in which a tracker may report *tracking*.
-const TRACKING: usize = 2;
+const MAX_TRACKING_FRAMES: usize = 2;
 /// Covered frame, from 1, by which a tracker must report *lost*.
 const LOST_BY: usize = 30;
 /// Frames after the cover within which the box must become right again.
-const AGAIN: usize = 10;
+const RECOVERY_FRAMES: usize = 10;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Counts {
@@ -34,14 +34,14 @@ struct Counts {
     tracking: usize,
     /// The first covered frame with the state *lost*, counted from 1.
     lost_at: Option<usize>,
-    /// First frame after the cover in which the box was right, from 1 to `AGAIN`.
+    /// First frame after the cover in which the box was right, from 1 to `RECOVERY_FRAMES`.
     right_again: Option<usize>,
 }
 
 /// A goal: its text in the list of misses, and a check that is true if a recording misses it.
 type Goal = (&'static str, fn(&Counts) -> bool);
 
-const NOT_TRACKING: Goal = ("tracking in more than 2 frames", |of| of.tracking > TRACKING);
+const NOT_TRACKING: Goal = ("tracking in more than 2 frames", |of| of.tracking > MAX_TRACKING_FRAMES);
 const LOST: Goal = ("not lost by frame 30", |of| of.lost_at.is_none_or(|frame| frame > LOST_BY));
 const RIGHT_AGAIN: Goal = ("not right again", |of| of.right_before && of.right_again.is_none());
 
@@ -101,7 +101,7 @@ impl Protocol for Covers<'_> {
         let (target, middle) = (whole(&recording.init)?, count / 2);
         let case = |cover| {
             let intervention = Intervention::Cover(middle, FRAMES, cover, Arc::clone(&other));
-            Case { name: String::new(), frame: 0, target, end: count.min(middle + AGAIN), intervention }
+            Case { name: String::new(), frame: 0, target, end: count.min(middle + RECOVERY_FRAMES), intervention }
         };
         Ok(Cover::value_variants().iter().copied().map(case).collect())
     }
@@ -253,7 +253,7 @@ mod tests {
             for (_, run) in runs {
                 let is_in = |frame: Option<usize>, last| frame.is_none_or(|frame| (1..=last).contains(&frame));
                 let holds = run.right_before && run.tracking <= FRAMES;
-                assert!(holds && is_in(run.lost_at, FRAMES) && is_in(run.right_again, AGAIN), "{run:?}");
+                assert!(holds && is_in(run.lost_at, FRAMES) && is_in(run.right_again, RECOVERY_FRAMES), "{run:?}");
                 if run.tracker == "robust" && run.cover == Cover::Black {
                     assert!(run.tracking == 0 && run.lost_at.is_some_and(|frame| frame <= LOST_BY), "{run:?}");
                 }

@@ -20,7 +20,7 @@ const LEAD: usize = 10;
 /// Frames after the fault in which the box may become right again.
 const WATCHED: usize = 50;
 /// Most frames of a recording at which a fault is inserted, each in a run of its own.
-const PLACES: usize = 8;
+const MAX_PLACES: usize = 8;
 
 /// The default trackers: both of smr-core.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Robust];
@@ -144,7 +144,7 @@ fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
     };
     let last = recording.frames.len().saturating_sub(longest + 1);
     let good: Vec<_> = (LEAD..last).filter_map(|frame| Some((frame, start(frame)?))).collect();
-    let count = PLACES.min(good.len());
+    let count = MAX_PLACES.min(good.len());
     (0..count).map(|number| good[(2 * number + 1) * good.len() / (2 * count)]).collect()
 }
 

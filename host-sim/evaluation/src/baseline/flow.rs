@@ -3,9 +3,9 @@
 use smr_core::Image;
 
 /// Most Gauss-Newton steps on each level of the pyramid.
-const STEPS: usize = 30;
+const MAX_STEPS: usize = 30;
 /// Length of a step, in pixels of its pyramid level, below which the iteration ends.
-const SMALL: f64 = 0.005;
+const MIN_STEP: f64 = 0.005;
 /// Least side of a template, in pixels, on the smallest level of the pyramid.
 const LEAST_SIDE: usize = 5;
 /// Margin in pixels around the search window, which gradients at its edge need.
@@ -47,12 +47,12 @@ fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64
 /// Takes Gauss-Newton steps on the sum of squared differences, until a step is small or has no gradient.
 fn fit(scene: &Plane, template: &Plane, start: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut place = start;
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let Some(step) = step(scene, template, place) else { break };
         let next = [0, 1].map(|axis| (place[axis] + step[axis]).clamp(limits[axis].0, limits[axis].1));
         let moved = (next[0] - place[0]).hypot(next[1] - place[1]);
         place = next;
-        if moved < SMALL {
+        if moved < MIN_STEP {
             break;
         }
     }

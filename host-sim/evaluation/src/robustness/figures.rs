@@ -46,12 +46,12 @@ impl RunFigures {
 }
 
 /// Number of frames after the target's return in which a correct answer counts as found again.
-const SOON: usize = 50;
+const FOUND_AGAIN_FRAMES: usize = 50;
 
 /// Counts the target's returns into view, and those after which it was found again; overlaps are `None` while hidden.
 fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
     let back = (1..overlaps.len()).filter(|&frame| overlaps[frame - 1].is_none() && overlaps[frame].is_some());
-    let soon = |frame: usize| &overlaps[frame..overlaps.len().min(frame + SOON)];
+    let soon = |frame: usize| &overlaps[frame..overlaps.len().min(frame + FOUND_AGAIN_FRAMES)];
     let found = |frame: &usize| soon(*frame).iter().flatten().any(|&overlap| overlap > CORRECT);
     (back.clone().count(), back.filter(found).count())
 }

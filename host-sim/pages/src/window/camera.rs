@@ -4,7 +4,7 @@
 //! frame that arrives while they are busy is skipped and counted, but its JPEG is kept. A tracker locked in a frame of
 //! the last seconds gets every frame from there on, until it has caught up.
 
-use super::kept::Kept;
+use super::frame_cache::FrameCache;
 use super::{Known, LiveState, SIDE, Source, lock};
 use crate::encode;
 use anyhow::{Result, anyhow, bail};
@@ -30,15 +30,15 @@ struct Shared {
     came: Condvar,
 }
 
-struct Came {
+struct ArrivedFrame {
     gray: GrayFrame,
     seconds: Option<f64>,
     arrived: Instant,
 }
 
 struct State {
-    gray: Kept<Came>,
-    pictures: Kept<Arc<Vec<u8>>>,
+    gray: FrameCache<ArrivedFrame>,
+    pictures: FrameCache<Arc<Vec<u8>>>,
     newest: usize,
     dropped: usize,
     latency_ms: f64,
@@ -50,8 +50,8 @@ struct State {
 impl State {
     fn new() -> Self {
         Self {
-            gray: Kept::new(MOST_GRAY, |came: &Came| came.gray.pixels.len()),
-            pictures: Kept::new(MOST_PICTURES, |picture| picture.len()),
+            gray: FrameCache::new(MOST_GRAY, |came: &ArrivedFrame| came.gray.pixels.len()),
+            pictures: FrameCache::new(MOST_PICTURES, |picture| picture.len()),
             newest: 0,
             dropped: 0,
             latency_ms: 0.0,
@@ -80,7 +80,7 @@ impl Shared {
                         break;
                     }
                     kept.newest = number;
-                    kept.gray.keep(number, Came { gray, seconds, arrived: Instant::now() });
+                    kept.gray.keep(number, ArrivedFrame { gray, seconds, arrived: Instant::now() });
                     drop(kept);
                     self.came.notify_all();
                     // While the JPEG encoder is busy, frames get no JPEG.
@@ -129,7 +129,7 @@ impl Shared {
         // If the source has dropped the frame of a lock, the tracker gets the one before it.
         let before = all.range(..=reader.next).next_back().filter(|_| reader.arrived.is_none());
         let next = before.or_else(|| all.range(reader.next..).next());
-        let (number, Came { gray, seconds, arrived }) =
+        let (number, ArrivedFrame { gray, seconds, arrived }) =
             next.filter(|_| !reader.has_caught_up).or(all.last_key_value())?;
         let frame = Frame::new(reader.next.max(*number), *seconds, gray.clone());
         // Frames before the reader's first one do not count as dropped, because no target was tracked then.
@@ -283,7 +283,7 @@ mod tests {
         let mut kept = camera.0.kept();
         for number in 1..=20 {
             let gray = GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] };
-            kept.gray.keep(number, Came { gray, seconds: None, arrived: Instant::now() });
+            kept.gray.keep(number, ArrivedFrame { gray, seconds: None, arrived: Instant::now() });
             kept.pictures.keep(number, Arc::new(vec![0; 20 << 20]));
         }
         let all = (kept.gray.all().len(), kept.pictures.all().len());

@@ -15,7 +15,7 @@ mod boxes;
 mod camera;
 mod change_log;
 mod following;
-mod kept;
+mod frame_cache;
 mod made;
 mod recording;
 mod routes;

@@ -2,7 +2,7 @@
 //! ones are decoded in order. Recent frames at full resolution are cached, too. A recording that is still being written
 //! is reopened when it has grown.
 
-use super::kept::Kept;
+use super::frame_cache::FrameCache;
 use super::{Known, SIDE, Source, lock};
 use crate::encode;
 use anyhow::Result;
@@ -42,11 +42,11 @@ struct Opened {
 struct Recorded {
     recording: Seekable,
     pictures: Mutex<Pictures>,
-    colors: Mutex<Kept<Arc<ColorFrame>>>,
+    colors: Mutex<FrameCache<Arc<ColorFrame>>>,
 }
 
 struct Pictures {
-    kept: Kept<Arc<Vec<u8>>>,
+    kept: FrameCache<Arc<Vec<u8>>>,
     /// Number of the next frame, and an iterator that starts with it.
     reader: Option<(usize, Box<dyn Iterator<Item = ColorFrame> + Send>)>,
     last: usize,
@@ -150,14 +150,14 @@ fn size(path: &Path) -> u64 {
 
 impl Recorded {
     fn new(recording: Seekable) -> Arc<Self> {
-        let pictures = Pictures { kept: Kept::new(MOST_BYTES, |picture| picture.len()), reader: None, last: 0 };
-        let colors = Kept::new(MOST_PIXELS, |frame: &Arc<ColorFrame>| frame.pixels.len());
+        let pictures = Pictures { kept: FrameCache::new(MOST_BYTES, |picture| picture.len()), reader: None, last: 0 };
+        let colors = FrameCache::new(MOST_PIXELS, |frame: &Arc<ColorFrame>| frame.pixels.len());
         Arc::new(Self { recording, pictures: Mutex::new(pictures), colors: Mutex::new(colors) })
     }
 }
 
 impl Pictures {
-    fn read_to(&mut self, number: usize, colors: &Mutex<Kept<Arc<ColorFrame>>>) -> Option<Arc<Vec<u8>>> {
+    fn read_to(&mut self, number: usize, colors: &Mutex<FrameCache<Arc<ColorFrame>>>) -> Option<Arc<Vec<u8>>> {
         loop {
             let (next, frames) = self.reader.as_mut()?;
             let at = *next;

@@ -35,10 +35,10 @@ pub struct Session {
     /// Path of the session file; `None` if the work is not saved.
     path: Option<PathBuf>,
     recording: String,
-    kept: Mutex<Kept>,
+    kept: Mutex<SavedWork>,
 }
 
-struct Kept {
+struct SavedWork {
     work: Work,
     /// The content of the file as this window last read or wrote it; `None` if it has done neither.
     bytes: Option<Vec<u8>>,
@@ -53,7 +53,7 @@ impl Session {
         let read = there.map(|path| read(path).with_context(|| path.display().to_string())).transpose()?;
         let (bytes, work) = read.unzip();
         let former = work.clone().unwrap_or_else(|| Work::new(recording));
-        let kept = Kept { work: former, bytes, has_failed: false };
+        let kept = SavedWork { work: former, bytes, has_failed: false };
         Ok((Self { path, recording: recording.to_owned(), kept: Mutex::new(kept) }, work))
     }
 
@@ -89,7 +89,7 @@ impl Session {
         self.write(&mut kept)
     }
 
-    fn write(&self, kept: &mut Kept) -> Option<String> {
+    fn write(&self, kept: &mut SavedWork) -> Option<String> {
         let path = self.path.as_ref()?;
         match replaced(path, kept) {
             Ok(aside) => {
@@ -126,7 +126,7 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
 }
 
 /// Writes the file. Content that another program has written there is first copied to `NAME~`, whose path is returned.
-fn replaced(path: &Path, kept: &mut Kept) -> Result<Option<PathBuf>> {
+fn replaced(path: &Path, kept: &mut SavedWork) -> Result<Option<PathBuf>> {
     let mut bytes = serde_json::to_vec_pretty(&kept.work)?;
     bytes.push(b'\n');
     let other = fs::read(path).ok().filter(|there| kept.bytes.as_ref() != Some(there));

@@ -87,7 +87,7 @@ pub struct Lattice {
 }
 
 /// Linear interpolation on one axis: `part` of the way from the block `first` of frame pixels to the block `second`.
-struct Between {
+struct Interpolation {
     first: i64,
     second: i64,
     part: f64,
@@ -98,7 +98,7 @@ impl Lattice {
         let block = self.block(numbers);
         let across = between(self.x, self.step, self.columns, &block, frame.width);
         let down = between(self.y, self.step_down, self.rows, &block, frame.height);
-        let pixel = |row: &Between, column: &Between| {
+        let pixel = |row: &Interpolation, column: &Interpolation| {
             let mix = |row: i64| {
                 let (left, right) = (block.mean(frame, column.first, row), block.mean(frame, column.second, row));
                 left * (1.0 - column.part) + right * column.part
@@ -168,7 +168,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Sample positions on one axis, in blocks. Beyond the frame the first and the last whole block are repeated.
-fn between(centre: f64, step: f64, count: i64, block: &Block, size: i64) -> Vec<Between> {
+fn between(centre: f64, step: f64, count: i64, block: &Block, size: i64) -> Vec<Interpolation> {
     let first_pixel = centre - down(to_f64(count - 1) * step / 2.0, POSITION);
     let side = to_f64(block.side);
     let first = down((first_pixel - block.middle()) / side, POSITION);
@@ -177,7 +177,7 @@ fn between(centre: f64, step: f64, count: i64, block: &Block, size: i64) -> Vec<
     let sample = |number: i64| {
         let position = (first + to_f64(number) * step).clamp(0.0, to_f64(last_block));
         let block = to_i64(position.floor());
-        Between { first: block, second: (block + 1).min(last_block), part: down(position.fract(), FINE) }
+        Interpolation { first: block, second: (block + 1).min(last_block), part: down(position.fract(), FINE) }
     };
     (0..count).map(sample).collect()
 }

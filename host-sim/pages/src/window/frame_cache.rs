@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-pub(super) struct Kept<T> {
+pub(super) struct FrameCache<T> {
     of: BTreeMap<usize, T>,
     /// Sum of `size_of` over all frames, at most `most`; but the last frame stays, however large it is.
     size: usize,
@@ -10,7 +10,7 @@ pub(super) struct Kept<T> {
     size_of: fn(&T) -> usize,
 }
 
-impl<T> Kept<T> {
+impl<T> FrameCache<T> {
     pub const fn new(most: usize, size_of: fn(&T) -> usize) -> Self {
         Self { of: BTreeMap::new(), size: 0, most, size_of }
     }
@@ -40,7 +40,7 @@ mod tests {
 
     #[test]
     fn what_is_kept_is_bounded_and_near_the_newest() {
-        let mut kept = Kept::new(9, |size: &usize| *size);
+        let mut kept = FrameCache::new(9, |size: &usize| *size);
         (1..20).chain([3]).for_each(|number| kept.keep(number, 1));
         assert!(kept.all().keys().copied().eq([3].into_iter().chain(11..19)), "{:?}", kept.all());
         kept.keep(3, 5);
