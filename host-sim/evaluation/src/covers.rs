@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const FRAMES: usize = 300;
-/// Most covered frames in which a tracker may report *tracking*.
+/// Maximum number of covered frames in which a tracker may report *tracking*.
 const MAX_TRACKING_FRAMES: usize = 2;
 /// Covered frame, from 1, by which a tracker must report *lost*.
 const LOST_BY: usize = 30;

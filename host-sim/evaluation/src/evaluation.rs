@@ -1,4 +1,4 @@
-//! Scores of whole recordings from one start: of trackers run here and of result files, in tables beside the paper's.
+//! Scores of whole recordings, one start each, for trackers run here and result files, beside the paper's figures.
 
 use super::matrix::truth_of;
 use super::means::{means, standard_errors};
@@ -39,7 +39,7 @@ pub struct Evaluation {
     pub notes: Vec<String>,
 }
 
-/// Evaluates recordings in parallel, each on one thread; if `compares`, scores the result files beside them, too.
+/// Evaluates recordings in parallel, each on one thread; if `compares`, also scores the result files beside them.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,

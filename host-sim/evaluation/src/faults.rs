@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 const LEAD: usize = 10;
 /// Frames after the fault in which the box may become right again.
 const WATCHED: usize = 50;
-/// Most frames of a recording at which a fault is inserted, each in a run of its own.
+/// Maximum number of frames of a recording at which a fault is inserted, each in a run of its own.
 const MAX_PLACES: usize = 8;
 
 /// The default trackers: both of smr-core.
@@ -55,7 +55,7 @@ struct Counts {
 }
 
 struct Faults<'a> {
-    /// Faults to insert at each place: first none, as a control, then each of the faults.
+    /// Runs for each frame in which faults begin: first `None`, the control without a fault, then each fault.
     cases: Vec<Option<&'a Fault>>,
     longest: usize,
 }
@@ -83,7 +83,7 @@ impl<'f> Faults<'f> {
         Self { cases: std::iter::once(None).chain(faults.iter().map(Some)).collect(), longest }
     }
 
-    /// Returns the frame after a fault that begins in frame `place`; without a fault, that of the longest fault.
+    /// Returns the first frame after a fault that begins in frame `place`; for `None`, as for the longest fault.
     fn end(&self, place: usize, fault: Option<&Fault>) -> usize {
         place + fault.map_or(self.longest, Fault::frames)
     }

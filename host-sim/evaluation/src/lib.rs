@@ -35,10 +35,10 @@ pub use table::{Layout, TableName, Tables};
 pub use variant::{Configs, Origin, Variant};
 pub use vot::Vot;
 
-/// Most pixels of a template, for example 256x256: the sum of a larger one could overflow the 32 bits of a score.
+/// Maximum number of pixels of a template, for example 256x256: a larger one could overflow the 32 bits of a score.
 pub const MOST_PIXELS: usize = 65536;
 
-/// Most offsets of a search window on an axis, enough for the whole of a frame of up to about 4000x4000 pixels.
+/// Maximum number of offsets of a search window per axis, enough to search all of a frame of about 4000x4000 pixels.
 pub const MOST_OFFSETS: usize = 4096;
 
 pub type Paper = smr_core::Paper<MOST_PIXELS, MOST_OFFSETS>;

@@ -12,8 +12,8 @@ use smr_recordings::{BoundingBox, GrayFrame, Sequence, cleanup, misfit};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Most bytes of frames of one recording in memory: 1 GiB, some 14000 frames of 320x240 pixels. When the recordings in
-/// memory reach it together, they are measured before more are read.
+/// Memory limit for the frames of one recording: 1 GiB, some 14000 frames of 320x240 pixels. When the recordings in
+/// memory reach the limit together, they are measured before more are read.
 const MOST_BYTES: u64 = 1 << 30;
 const MIB: u64 = 1 << 20;
 
@@ -64,7 +64,7 @@ pub(super) struct Case {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Intervention {
     None,
-    /// A camera fault from the first frame number up to, but not including, the second.
+    /// A camera fault. The fields are first frame number, end (exclusive), fault, simulation of a leaving target.
     Fault(usize, usize, Fault, Away),
     /// A covered lens: inserts covered frames before a frame. The fields are frame number, count, cover, other scene.
     Cover(usize, usize, Cover, Arc<GrayFrame>),
@@ -175,7 +175,7 @@ fn separate<T>(results: Vec<Result<T>>, good: &mut Vec<T>, failures: &mut Vec<Er
 /// A recording with all its frames in memory, so that it is decoded once for many runs.
 pub(super) struct Recording {
     pub name: String,
-    /// At least one frame; as many as entries of `truth`.
+    /// One frame for each entry of `truth`; at least one.
     pub frames: Vec<GrayFrame>,
     pub init: BoundingBox,
     pub truth: Vec<Option<BoundingBox>>,

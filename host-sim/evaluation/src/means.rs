@@ -10,7 +10,7 @@ pub fn means(recordings: &[Vec<f64>]) -> Vec<f64> {
     over(recordings, mean)
 }
 
-/// Returns the standard error of each mean, by deviations over n - 1; `None` for fewer than two recordings.
+/// Returns the standard error of each mean, with variances over n - 1; `None` for fewer than two recordings.
 pub fn standard_errors(recordings: &[Vec<f64>]) -> Option<Vec<f64>> {
     (recordings.len() > 1).then(|| over(recordings, standard_error))
 }

@@ -32,7 +32,7 @@ impl Follower {
 }
 
 impl<M: Method + ?Sized> Follower<M> {
-    /// Creates a follower that locks on each of `starts` in the frame of its number, or in the next one that arrives.
+    /// Creates a follower that locks on each box of `starts` in its frame, or else in the next frame that arrives.
     pub fn new(method: Box<M>, starts: Vec<(usize, Option<Rect>)>) -> Self {
         Self { name: None, method, starts: starts.into_iter().peekable(), is_there: false }
     }

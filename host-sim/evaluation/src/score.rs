@@ -25,7 +25,7 @@ pub struct Score {
     pub visible: usize,
     pub answered: usize,
     pub correct: usize,
-    /// Frames that are correct at 0.5.
+    /// Frames with an IoU above 0.5.
     pub correct_50: usize,
     /// `correct / answered`; 0 if nothing was answered.
     pub precision: Option<f64>,
@@ -52,9 +52,9 @@ impl Serialize for Score {
 pub struct Figure {
     /// Key in JSON and CSV.
     pub key: &'static str,
-    /// Heading in tables; empty if it has no column there.
+    /// Heading in tables; empty if the figure has no column in tables.
     pub title: &'static str,
-    /// Heading on the page of `report`; empty if it has no column there.
+    /// Heading on the page of `report`; empty if the figure has no column on the page.
     pub page: &'static str,
     pub digits: usize,
     pub has_mean: bool,

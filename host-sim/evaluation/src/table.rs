@@ -93,7 +93,7 @@ pub struct Table {
     /// Number of leading columns aligned to the left; all others are aligned to the right.
     names: usize,
     heads: Vec<Head>,
-    /// For each row: true if JSON and CSV have it, and its cells.
+    /// Rows, each with a flag, true if JSON and CSV contain the row, and its cells.
     rows: Vec<(bool, Vec<Value>)>,
 }
 
@@ -112,7 +112,7 @@ impl Table {
         Self { rows, ..Self::new(name, names, Head::all(columns)) }
     }
 
-    /// Adds `columns` to each row, with values from its entry in `parts`.
+    /// Adds `columns` to each row, with values from the row's entry in `parts`.
     pub fn and<T>(mut self, columns: &[Column<T>], parts: impl Iterator<Item = Option<T>>) -> Self {
         self.heads.extend(Head::all(columns));
         self.rows.iter_mut().zip(parts).for_each(|((_, row), part)| row.extend(cells(columns, part.as_ref())));
@@ -123,7 +123,7 @@ impl Table {
         self.rows.push((true, cells));
     }
 
-    /// Adds a row that only text and Markdown show. Last cells may be left out if their columns have no heading.
+    /// Adds a row that only text and Markdown show. Trailing cells may be omitted if their columns have no heading.
     pub fn remark(&mut self, cells: Vec<Value>) {
         self.rows.push((false, cells));
     }

@@ -55,7 +55,7 @@ pub struct Origin {
 }
 
 impl Origin {
-    /// Table columns of the origin; the options are JSON in a text.
+    /// Table columns of the origin; the options are one text cell that holds JSON.
     pub(super) const COLUMNS: &[Column<Self>] = &[
         ("method", "", 0, |origin| origin.method.into()),
         ("version", "", 0, |origin| origin.version.into()),
@@ -76,7 +76,7 @@ impl Variant {
         Origin::new(self.kind, self.options.clone())
     }
 
-    /// Returns the trackers of the paper's table: both readings of the paper, the robust tracker, and the baselines.
+    /// Returns the trackers for the paper's table: SMR (k = 1/4; also k = 7/20, inclusive boxes), robust, baselines.
     pub fn all() -> Vec<Self> {
         let paper = Config::paper();
         let mut other = paper;

@@ -28,7 +28,7 @@ pub struct Numbers {
     pub window_limit: Option<(i64, i64)>,
     /// Exclusion radius around the peak: the runner-up is more than this many pixels away in x or in y.
     pub neighbourhood: i64,
-    /// Least distances of the box to the frame's edges (left, top, right, bottom) for a template update, in pixels.
+    /// Minimum distances in pixels from the box to the frame's left, top, right and bottom edge for a template update.
     pub zone: (i64, i64, i64, i64),
     /// Lower bound of alpha after an update, in gray levels.
     pub least_alpha: f64,
@@ -41,20 +41,20 @@ pub struct Numbers {
 /// numbers are exact in f64, but 1.02 is not.
 #[derive(Clone, Debug)]
 pub struct GateNumbers {
-    /// Ratio of peak to runner-up that is required while the target is tracked inside the frame.
+    /// Ratio of peak to runner-up, a fraction `.0 / .1`, required while the target is tracked inside the frame.
     pub tracking: (f64, f64),
-    /// Required ratio if the box at the peak crosses the frame's edge.
+    /// Ratio of peak to runner-up, a fraction `.0 / .1`, required if the box at the peak crosses the frame's edge.
     pub border: (f64, f64),
-    /// Required ratio after a box crossed the frame's edge, until a lost target is found again.
+    /// Ratio, a fraction `.0 / .1`, required after a box crossed the frame's edge, until a lost target is found again.
     pub been_at_border: (f64, f64),
-    /// Required ratio for accepting a lost target again.
+    /// Ratio of peak to runner-up, a fraction `.0 / .1`, required for finding a lost target again.
     pub lost: (f64, f64),
-    /// Lead over the runner-up that is enough whatever the ratio, in fully similar pixels.
+    /// Lead of the peak over the runner-up that suffices at any ratio, counted in fully similar pixels.
     pub lead: f64,
-    /// Least mean similarity of a pixel, in units of 1/65535. If it is 0, contrast and clipping are not checked either.
+    /// Minimum mean similarity of a pixel, in units of 1/65535; 0 also disables the checks of contrast and clipping.
     pub least_ratio: f64,
-    /// Least contrast of a patch, as a fraction of the template's contrast; and the largest fraction of pixels that may
-    /// be clipped at 0 or 255 in the patch but not in the template.
+    /// Bounds for a patch. Contrast: minimum, as a fraction of the template's. Clipped pixels (0 or 255) in excess of
+    /// the template's: maximum, as a fraction of all pixels.
     pub least_contrast: f64,
     pub most_cut_off: f64,
 }
@@ -131,12 +131,12 @@ impl Scores {
 
 pub struct Step {
     pub scores: Scores,
-    /// Position and value of the largest rounded sum, and of the largest exact sum.
+    /// Position and score of the best candidate, by the rounded scores and by the exact ones.
     pub peak: ((i64, i64), f64),
     pub exact_peak: ((i64, i64), f64),
     /// Largest rounded sum outside the peak's neighbourhood; 0 if no candidate lies there.
     pub runner_up: f64,
-    /// True if the decision depends on the runner-up, or the settings require it in every frame.
+    /// True if the decision depends on the runner-up, or the settings require a runner-up in every frame.
     pub runner_up_asked: bool,
     pub alpha: f64,
     pub decision: Decision,
@@ -291,11 +291,11 @@ impl Reference {
         sums
     }
 
-    /// Step 4: finds the largest sum. Ties go to the position nearest to the last one, then the upper, then the left.
+    /// Step 4: finds the largest sum. Ties go to the position nearest to the previous one, then upper, then left.
     fn arg_max(&self, scores: &Scores, sum: impl Fn(Sums) -> f64) -> ((i64, i64), f64) {
         let distance = |(x, y): (i64, i64)| (x - self.position.0).pow(2) + (y - self.position.1).pow(2);
         let mut best: Option<((i64, i64), f64)> = None;
-        // Scores come row by row: of equals in sum and distance, the first is the upper or left one.
+        // Scores come row by row, so of positions with equal sum and distance the first is the upper or left one.
         for (at, sums) in scores.iter() {
             let better = best.is_none_or(|(best_at, best_sum)| {
                 sum(sums) > best_sum || (sum(sums) == best_sum && distance(at) < distance(best_at))
@@ -313,7 +313,7 @@ impl Reference {
         outside.map(|(_, sums)| sums.rounded).fold(0.0, f64::max)
     }
 
-    /// Steps 5 and 6: the winning patch becomes the template; alpha = k * max |old - new|, or stays if both are equal.
+    /// Steps 5 and 6: the winning patch becomes the template; alpha = k * max |old - new|, or stays if this max is 0.
     fn replace_template(&mut self, frame: &Picture) {
         let next = frame.cut(self.position.0, self.position.1, self.template.width, self.template.height);
         let changes = self.template.pixels.iter().zip(&next.pixels).map(|(old, new)| (old - new).abs());

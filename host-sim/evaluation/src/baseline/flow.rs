@@ -2,11 +2,11 @@
 
 use smr_core::Image;
 
-/// Most Gauss-Newton steps on each level of the pyramid.
+/// Maximum number of Gauss-Newton steps on each level of the pyramid.
 const MAX_STEPS: usize = 30;
 /// Length of a step, in pixels of its pyramid level, below which the iteration ends.
 const MIN_STEP: f64 = 0.005;
-/// Least side of a template, in pixels, on the smallest level of the pyramid.
+/// Minimum side of a template, in pixels, on the smallest level of the pyramid.
 const LEAST_SIDE: usize = 5;
 /// Margin in pixels around the search window, which gradients at its edge need.
 const MARGIN: i32 = 2;
@@ -44,7 +44,7 @@ fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64
     fit(scene, template, start, limits)
 }
 
-/// Takes Gauss-Newton steps on the sum of squared differences, until a step is small or has no gradient.
+/// Takes Gauss-Newton steps on the sum of squared differences, until a step is small or gradients do not determine one.
 fn fit(scene: &Plane, template: &Plane, start: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut place = start;
     for _ in 0..MAX_STEPS {

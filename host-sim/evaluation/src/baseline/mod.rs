@@ -14,7 +14,7 @@ use smr_core::unstable::Window;
 use smr_core::{Frame, Image, LockError, Rect, UpdateError};
 use smr_recordings::BoundingBox;
 
-/// Most pixels of a box, 1024x1024, for which all sums are exact.
+/// Maximum number of pixels of a box, 1024x1024, for which all sums are still exact.
 pub(super) const MAX_PIXELS: u32 = 1 << 20;
 
 pub(super) struct Baseline {
@@ -131,7 +131,7 @@ fn best(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64)
     let distance = |(x, y): (i32, i32)| u64::from(x.abs_diff(last.x)).pow(2) + u64::from(y.abs_diff(last.y)).pow(2);
     // Starts at the last position, which is likely to be the best, so that the sums of later positions stop early.
     let (mut best, mut least) = ((last.x, last.y), cost(last.x, last.y, f64::INFINITY));
-    // Scans from the top left, so that the first of equally close positions wins; the last position wins every tie.
+    // Scans from the top left, so that the first of equally close positions wins; the position `last` wins every tie.
     for at in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
         let here = cost(at.0, at.1, least);
         if here < least || (here == least && distance(at) < distance(best)) {
@@ -144,7 +144,7 @@ fn best(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64)
 /// A row of pixels of the frame, and a row of the template, which may be shorter.
 type Pair<'a> = (&'a [u8], &'a [u8]);
 
-/// Returns the sum of `pixel` over all pairs of pixels; stops after the row in which it exceeds `enough`.
+/// Returns the sum of `pixel` over all pairs of pixels; stops after the row in which the sum exceeds `enough`.
 #[inline]
 fn difference<'a>(rows: impl Iterator<Item = Pair<'a>>, enough: f64, pixel: impl Fn(u8, u8) -> u32) -> f64 {
     let mut sum = 0.0;
@@ -172,7 +172,7 @@ impl Spread {
         Self { pixels, sum, spread: pixels * squares - sum * sum }
     }
 
-    /// Returns the correlation coefficient with a box of these sums of pixels and squares, from exact integer sums.
+    /// Returns the correlation coefficient with a box, given its sums of pixels and squares; all sums are exact.
     fn correlation<'a>(&self, [sum, squares]: [i64; 2], rows: impl Iterator<Item = Pair<'a>>) -> f64 {
         let of_row = |(f, g): Pair<'_>| f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum::<u32>();
         let products: i64 = rows.map(|row| i64::from(of_row(row))).sum();

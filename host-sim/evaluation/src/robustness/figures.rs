@@ -10,7 +10,7 @@ use std::time::Duration;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct RunFigures {
     pub score: Score,
-    /// Counts of the run. The means in it stay 0 until [`Figures::over_starts`].
+    /// Counts of the run. Fields that are means stay 0; [`Figures::over_starts`] computes them.
     counts: Figures,
     /// Frames with an answer in which the target is visible.
     answered_visible: usize,
@@ -60,7 +60,7 @@ fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
 pub(super) const HEADLINE: [(&str, &str); 3] =
     [("mean_correct", "correct"), ("mean_correct_50", "correct@0.5"), ("f", "F")];
 
-/// Declares figures. A line: field, mean or sum over recordings, column, and for some a column `part/whole` for people.
+/// Declares figures. A line: field, type, `mean` or `sum` over recordings, title, digits, optional ratio column.
 macro_rules! figures {
     ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident, $title:literal $digits:literal
         $(, $ratio:literal $part:ident $whole:ident)?;)*) => {
@@ -103,7 +103,7 @@ figures! {
     answered_hidden: usize = sum, "" 0, "answered/hidden" answered_hidden hidden;
     /// Number of times that the target came back after it was hidden, summed over the starts.
     returns: usize = sum, "" 0;
-    /// Number of times that it came back and a correct answer followed in the first 50 frames.
+    /// Number of times that the target came back and a correct answer followed in the first 50 frames.
     found_again: usize = sum, "" 0, "found/returns" found_again returns;
     tracking: usize = sum, "" 0;
     /// Updates with the state *tracking* in which the target is hidden or the box is wrong.

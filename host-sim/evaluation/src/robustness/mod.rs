@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 struct Row<'a> {
     variant: &'a Variant,
     sequence: String,
-    /// Folder that holds the recording and related ones, over which a mean is taken.
+    /// Folder of the recording. All recordings of a folder get a common mean.
     folder: PathBuf,
     figures: Figures,
     starts: Vec<(Case, Score)>,
@@ -43,7 +43,7 @@ const START: &[Column<(Case, Score)>] = &[
     ("correct", "", 0, |(_, score)| score.correct.into()),
 ];
 
-/// Runs every variant, each with a name of its own, from every start. Compares results in pairs, also with `former`.
+/// Runs every variant (names must differ) from every start; compares it with `former` or else the first variant.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,

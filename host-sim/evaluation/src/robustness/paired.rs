@@ -89,8 +89,8 @@ impl FormerRow {
     }
 }
 
-/// Returns the table of mean differences. A method is compared with the method of its name in `former`, else with the
-/// first one there; without `former`, with the first one of `tables`.
+/// Returns the table of mean differences. Each method is compared with the method of the same name in `former`; if that
+/// is missing, with the first method of `former`; or, if `former` itself is `None`, with the first method of `tables`.
 /// Errors: `former` was measured from other starts, or shares no recording with `tables`.
 pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
     let names =

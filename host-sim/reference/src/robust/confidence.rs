@@ -1,4 +1,4 @@
-//! Confidence: evidence of a frame, its running mean, and the state that follows. Units are 1/65536, rounded down.
+//! Evidence of the target in a frame, its running mean, and the state from the mean. Units are 1/65536, rounded down.
 
 use super::Numbers;
 use super::gaussian::ONE;
@@ -11,7 +11,7 @@ pub enum Decision {
     Lost,
 }
 
-/// Evidence of a frame, 0 to 1.5: the template's agreement plus the filter's response, clamped to 0 and 1/2.
+/// Evidence of a frame, 0 to 1.5: the template's agreement, 0 to 1, plus the filter's response clamped to 0 to 1/2.
 pub fn evidence(agreement: f64, response: f64) -> f64 {
     agreement + 65536.0 * (response / ONE).clamp(0.0, 0.5)
 }
@@ -25,7 +25,7 @@ pub fn running_mean(numbers: &Numbers, mean: f64, evidence: f64) -> f64 {
     mean.min(evidence + numbers.most_lead)
 }
 
-/// Mean evidence after the target was found again: the frame's evidence, clamped to the range of *uncertain*.
+/// Mean evidence after the target was found again: the frame's evidence, clamped to the range of the state *uncertain*.
 pub fn found_mean(numbers: &Numbers, evidence: f64) -> f64 {
     let least = |confidence: f64| (confidence * 1.5).ceil();
     evidence.min(least(numbers.uncertain_below) - 1.0).max(least(numbers.lost_below))

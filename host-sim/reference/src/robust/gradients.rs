@@ -6,10 +6,10 @@ use super::sampling::Patch;
 use std::f64::consts::PI;
 
 const DIRECTIONS: usize = 9;
-/// Feature bytes of a cell.
+/// Number of feature bytes per cell.
 pub const CHANNELS: usize = DIRECTIONS + 1;
 
-/// Features of cells, row by row, `CHANNELS` bytes each.
+/// Features of a grid of cells, row by row, `CHANNELS` bytes per cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     pub across: i64,
@@ -86,13 +86,13 @@ fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
         let (x, y) = (nearest(angle.cos() / step.sin(), 256.0), nearest(angle.sin() / step.sin(), 256.0));
         x * below - y * right
     };
-    // The second direction is the first one beyond the gradient's angle; after the last one comes direction 0.
+    // `second` is the next direction beyond the gradient's angle; after the last direction comes direction 0.
     let second = (1..DIRECTIONS).find(|&number| cross(number) < 0.0).unwrap_or(DIRECTIONS);
     gradient[second - 1] -= cross(second).min(0.0);
     gradient[second % DIRECTIONS] += cross(second - 1).max(0.0);
 }
 
-/// Features of a cell: gradients over the norm of the cells around, rounded down, at most 127; and mean gray less 128.
+/// Features of a cell: gradients / norm of the 3x3 cells around, rounded down, at most 127; then mean gray level - 128.
 fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
     let norm = down(energy_around.sqrt(), 8.0) + numbers.norm_floor;
     // Factor from a quarter of a gray level to a feature value, rounded down to 2^-16.

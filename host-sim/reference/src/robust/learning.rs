@@ -15,7 +15,7 @@ pub struct Filter {
     pub weights: Vec<f64>,
 }
 
-/// Values as small integers, for products with features; times `divisor` they are about the original values.
+/// Values scaled to small integers, for products with features; times `divisor`, they approximate the originals.
 pub struct ScaledIntegers {
     pub numbers: Vec<f64>,
     pub divisor: f64,
@@ -67,8 +67,8 @@ impl Filter {
         }
     }
 
-    /// Takes a step, `part` times as long as the best one for offsets up to `reach`. Its direction is the gradient
-    /// times the learning window, plus the direction of `before` times the ratio of both descents.
+    /// Takes a step of `part` times the best length for offsets up to `reach` cells. Direction: gradient times learning
+    /// window, plus the direction of the step `before` times the new descent / the descent of `before`.
     pub fn learn(
         &mut self,
         numbers: &Numbers,
@@ -119,9 +119,9 @@ pub struct Step {
     length: f64,
 }
 
-/// Step length of an exact line search, in units of 2^-44: descent over curvature. The curvature, in units of 2^18, is
-/// the sum of squared `responses` of the direction, scaled up to all `all` offsets, plus `regularisation` times its
-/// squared values. The lowest nine bits of a response are dropped.
+/// Step length of an exact line search, in units of 2^-44: descent / curvature. The curvature, in units of 2^18, is the
+/// sum of squared `responses` of the direction, scaled up to `all` offsets, plus `regularisation` times the sum of
+/// squared values of the direction. The lowest nine bits of a response are dropped.
 fn best_length(numbers: &Numbers, direction: &ScaledIntegers, descent: f64, responses: &[f64], all: f64) -> f64 {
     let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
     let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();

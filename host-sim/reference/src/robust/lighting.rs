@@ -12,8 +12,8 @@ fn mean_and_deviation(patch: &Patch) -> (f64, f64) {
     (mean, patch.pixels.iter().map(|pixel| (pixel - mean).abs()).sum())
 }
 
-/// Threshold alpha of a comparison: the mean absolute deviation of the patch, or of the template times `gain` if that
-/// is less, rounded down and clamped to `alpha_bounds`.
+/// Threshold alpha of a comparison: the smaller of the patch's mean absolute deviation and the template's times `gain`,
+/// rounded down and clamped to `alpha_bounds`.
 pub fn threshold(numbers: &Numbers, template: &Patch, seen: &Patch, gain: f64) -> f64 {
     let deviation = mean_and_deviation(seen).1.min((mean_and_deviation(template).1 * gain).floor());
     let (least, most) = numbers.alpha_bounds;
@@ -27,7 +27,7 @@ pub fn window_contrast(numbers: &Numbers, cells: &Cells) -> f64 {
     down(cells.grays().map(|gray| (gray - mean).abs()).sum::<f64>() / count, 16.0).max(numbers.least_window)
 }
 
-/// Lighting: the template's gain per gray level of contrast in the search window.
+/// Lighting: the template's gain divided by the contrast of the search window in gray levels.
 pub fn gain_per_contrast(gain: f64, window: f64) -> f64 {
     down(gain / window, LIGHT)
 }
@@ -43,7 +43,7 @@ pub fn expected_gain(numbers: &Numbers, light: f64, window: f64) -> f64 {
     down(light * window, FINE).clamp(least, most)
 }
 
-/// True if the patch `seen` can show `target`: enough of the expected contrast, and not many more clipped pixels.
+/// True if the patch `seen` can show `target`: enough contrast, and not many more clipped pixels than `target`.
 pub fn can_show(numbers: &Numbers, target: &Patch, seen: &Patch, expected: f64) -> bool {
     let (was, is) = (mean_and_deviation(target).1, mean_and_deviation(seen).1);
     let cut_off =
@@ -56,7 +56,7 @@ pub fn can_show(numbers: &Numbers, target: &Patch, seen: &Patch, expected: f64) 
 
 /// Contrast of `seen` divided by that of `template`, rounded down to 1/256.
 pub fn free_gain(template: &Patch, seen: &Patch) -> f64 {
-    // The contrast of a flat template counts as 1, because any gain leaves only its mean.
+    // The contrast of a flat template counts as 1, because any gain leaves a flat template flat.
     down(mean_and_deviation(seen).1 / mean_and_deviation(template).1.max(1.0), FINE)
 }
 

@@ -48,7 +48,7 @@ pub struct Step {
     pub fine: [f64; 4],
     pub bbox: [i64; 4],
     pub learned: bool,
-    /// True if windows all over the frame were searched for the lost target.
+    /// True if windows of a grid over the whole frame were searched for the lost target, a few per frame.
     pub swept: bool,
     pub found: bool,
     /// True if a lost target was found again, in its usual search window or in the search of the whole frame.
@@ -88,7 +88,7 @@ pub struct Reference {
     filter: Filter,
     /// Early template: a slow running mean of the target's patches, rounded to 1/256 gray level.
     early: Patch,
-    /// Lighting: gain of the early template's contrast per gray level of contrast in the search window.
+    /// Lighting: gain of the early template's contrast, divided by the search window's contrast in gray levels.
     light: f64,
     mean_evidence: f64,
     /// Scale in the last frame whose state was *tracking*.
@@ -307,8 +307,8 @@ impl Reference {
         Candidate { cells, responses, place, response, aligned, agreement, window, gain, can_show }
     }
 
-    /// Refines the target's position by aligning the early template, and returns the growth. `None` if the agreement is
-    /// low.
+    /// Refines the target's position by aligning the early template, and returns the relative growth of the target;
+    /// `None` if the agreement is below `refined_from`.
     fn refine(&self, candidate: &mut Candidate) -> Option<f64> {
         if candidate.agreement < self.numbers.refined_from {
             return None;

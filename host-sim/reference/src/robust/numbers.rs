@@ -2,19 +2,19 @@
 
 #[derive(Clone, Debug)]
 pub struct Numbers {
-    /// Optional parts: the scale estimation, and the network that corrects the box and can lower the state.
+    /// Optional parts: scale estimation; the network that corrects the box and can report *uncertain* or *lost*.
     pub size: bool,
     pub refiner: bool,
-    /// Template: most pixels, and least distance of its samples in frame pixels.
+    /// Template: maximum number of pixels; minimum spacing of its samples, in frame pixels.
     pub pixels: i64,
     pub least_step: f64,
-    /// Samples per axis that are read of each block when the frame is reduced.
+    /// Pixels per axis that are read of each block of pixels when the frame is downsampled.
     pub read_per_side: i64,
     /// Side of a cell, in template pixels.
     pub cell: i64,
-    /// Side of the filter over the side of the box, as a fraction `.0 / .1`.
+    /// Side of the filter divided by the side of the box, as a fraction `.0 / .1`.
     pub filter_over_box: (f64, f64),
-    /// Size of the filter in cells: least and most per side, and most in total.
+    /// Size of the filter in cells: minimum per side, maximum per side, maximum in total.
     pub least_side: i64,
     pub most_side: i64,
     pub most_cells: i64,
@@ -23,11 +23,11 @@ pub struct Numbers {
     pub norm_gain: f64,
     /// Radius of search and of learning, in cells.
     pub reach: i64,
-    /// Standard deviation of the label over the square root of the target's area, as a fraction `.0 / .1`.
+    /// Standard deviation of the label divided by the square root of the target's area, as a fraction `.0 / .1`.
     pub label_width: (f64, f64),
     /// Ridge penalty: factor of the squared filter weights in the error.
     pub regularisation: f64,
-    /// Largest absolute value of a weight or gradient scaled to integers, of a scaled error, and of an unscaled error.
+    /// Largest absolute values: weights and gradients scaled to integers; errors scaled to integers; unscaled errors.
     pub most_scaled: f64,
     pub most_scaled_error: f64,
     pub most_error: f64,
@@ -42,7 +42,7 @@ pub struct Numbers {
     /// Motion: fraction of the velocity in the prediction, and weight of the last move in the velocity.
     pub velocity_fraction: f64,
     pub velocity_rate: f64,
-    /// Scale search: factor between scales, weight of another scale's response in 1/256, search radius in cells.
+    /// Scale search: factor between scales; weight of a response at a changed scale, in 1/256; search radius in cells.
     pub scale_step: f64,
     pub scale_gain: f64,
     pub scale_reach: i64,
@@ -52,17 +52,16 @@ pub struct Numbers {
     pub early_rate: f64,
     /// Similarity of a pixel: p = exp(-d / similarity_scale), with the difference d in gray levels.
     pub similarity_scale: f64,
-    /// Lighting: largest factor between the gain of the template's contrast and its expected gain; bounds of the
-    /// latter.
+    /// Gain of the template's contrast: largest factor between gain and expected gain; bounds of the expected gain.
     pub most_change: f64,
     pub gain_bounds: (f64, f64),
     /// Lower bound of a search window's contrast, in gray levels.
     pub least_window: f64,
-    /// Weight of a frame in the running mean of the lighting (the template's gain per contrast of the window).
+    /// Weight of a frame in the running mean of the lighting (the template's gain / the search window's contrast).
     pub light_rate: f64,
     pub alpha_bounds: (f64, f64),
-    /// A patch can show the target with this least fraction of the expected contrast, this least contrast in gray
-    /// levels, and at most this fraction of pixels clipped at 0 or 255.
+    /// Patches that can show the target: minimum contrast as a fraction of the expected contrast; minimum contrast in
+    /// gray levels; maximum fraction of pixels clipped at 0 or 255, in excess of the template's.
     pub least_contrast: f64,
     pub least_deviation: f64,
     pub most_cut_off: f64,
@@ -72,12 +71,12 @@ pub struct Numbers {
     /// Alignment: largest offset on each axis, and spacing of the first nine offsets, in template pixels.
     pub margin: i64,
     pub coarse_step: i64,
-    /// Least agreement (similarity to the early template) for refining position and size.
+    /// Minimum agreement (a patch's similarity to the early template) for refining position and size.
     pub refined_from: f64,
     /// Bounds of a Gauss-Newton step: move in template pixels, and growth in units of 1/65536.
     pub most_move: f64,
     pub most_growth: f64,
-    /// Each diagonal element of the normal equations grows by 1 / damping of itself.
+    /// Each diagonal element of the normal equations is multiplied by 1 + 1 / damping.
     pub damping: f64,
     /// Upper bound of the normal equations' elements after their division by a power of two.
     pub most_sum: f64,
@@ -87,19 +86,19 @@ pub struct Numbers {
     pub most_lead: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
-    /// The network's opinion of the box: largest trust; weight of a frame in the running mean, and while a bad opinion
-    /// rises; opinions below which the target is lost or uncertain.
+    /// The network's opinion of the box, a running mean of its trust: largest trust; weight of a frame; weight of a
+    /// frame while a bad opinion rises; opinions below which the target is lost or uncertain.
     pub most_trust: f64,
     pub opinion_rate: f64,
     pub opinion_rising_rate: f64,
     pub opinion_lost_below: f64,
     pub opinion_uncertain_below: f64,
-    /// Frames in a row with a bad opinion after which the target is given up, and the opinion when it is found again.
+    /// Frames in a row with a bad opinion after which the target is given up; opinion after the target is found again.
     pub opinion_patience: i64,
     pub opinion_found: f64,
-    /// Least evidence (template agreement plus filter response) for learning from a frame.
+    /// Minimum evidence (template agreement plus filter response) for learning from a frame.
     pub learned_from: f64,
-    /// Redetection of a lost target: windows per frame, least evidence, least lead over the evidence at the tracked
+    /// Redetection of a lost target: windows per frame; minimum evidence; minimum lead over the evidence at the tracked
     /// position.
     pub sweep: i64,
     pub found_from: f64,

@@ -7,14 +7,14 @@ use super::sampling::Patch;
 use super::verification::Similarity;
 
 pub struct Aligned {
-    /// Offset from the view's middle, in template pixels.
+    /// Offset of the best alignment from the view's middle, in template pixels.
     pub x: i64,
     pub y: i64,
     pub seen: Patch,
 }
 
-/// Scores nine offsets `coarse_step` pixels apart, then the eight around the best one, with the template in the
-/// lighting of the middle. Ties keep the earlier offset: the middle, then row by row.
+/// Scores nine offsets `coarse_step` pixels apart, then the eight around the best offset, with the template adapted to
+/// the lighting of the middle patch. Ties keep the earlier offset: the middle, then row by row.
 pub fn aligned(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: &Patch, expected: f64) -> Aligned {
     let margin = numbers.margin;
     let cut =
@@ -44,7 +44,7 @@ pub struct Step {
 }
 
 /// Gauss-Newton step from the early template to the patch: least squares of error + slope * (x, y) + outward * growth,
-/// where `outward` is the slope away from the middle. Slopes are of the mean of both pictures.
+/// where `outward` is the slope away from the middle. Slopes are taken from the mean of template and patch.
 pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch, gain: f64) -> Step {
     let (lit, alpha) = (relit(early, seen, gain), threshold(numbers, early, seen, gain));
     let mut sums = [[0.0; 4]; 3];

@@ -7,7 +7,7 @@ use super::confidence::{Decision, decided};
 use super::rounding::{FINE, POSITION, SCALE, down, index, nearest, to_f64, to_i64};
 use super::sampling::{Lattice, Picture};
 
-/// Side of a crop, the network's input, in samples; and the crop's side over the box's side.
+/// Side of a crop, the network's input, in samples; and the crop's side divided by the box's side.
 const SIDE: i64 = 32;
 const CROP_OVER_BOX: f64 = 1.75;
 /// Network input for the mean gray level of a crop.
@@ -175,7 +175,7 @@ impl Refiner {
         decided(self.opinion, numbers.opinion_lost_below, numbers.opinion_uncertain_below)
     }
 
-    /// Reduces the correction by a quarter and counts full trust, because the box of the frame is already exact.
+    /// Reduces the correction by a quarter and counts full trust, because alignment has made the frame's box exact.
     pub fn fade(&mut self, numbers: &Numbers) {
         self.update_opinion(numbers, numbers.most_trust);
         self.centre = self.centre.map(|centre| down(centre * 0.75, ESTIMATE));

@@ -25,7 +25,7 @@ pub fn penalised(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
     (0..).zip(responses).map(less).collect()
 }
 
-/// Largest response. Of equal ones the one in the middle wins, else the first in row order.
+/// Largest response. Ties go to the offset in the middle, else to the first in row order.
 pub struct Peak {
     /// Offset from the middle in cells, interpolated by a parabola on each axis.
     pub x: f64,
@@ -56,8 +56,8 @@ pub fn peak(responses: &[f64], reach: i64) -> Peak {
     Peak { x: to_f64(x - reach) + across, y: to_f64(y - reach) + down, response, height: response + wider + deeper }
 }
 
-/// Top of the parabola through three neighbouring responses: its distance from the middle one (at most 1/2, rounded
-/// toward 0 to 1/256) and its height above it (rounded down). Both are 0 if the parabola has no top.
+/// Top of the parabola through three neighbouring responses: distance from the middle response (at most 1/2, rounded
+/// toward 0 to 1/256) and height above the middle response (rounded down). Both are 0 if the parabola has no top.
 fn parabola_top(before: f64, at: f64, after: f64) -> (f64, f64) {
     let bend = before - 2.0 * at + after;
     if bend >= 0.0 {

@@ -1,5 +1,5 @@
-//! Rounding to fixed-point grids. A grid is given by its steps in 1, a power of two, so values on it are exact in f64;
-//! so are their sums and products, which stay below 2^53.
+//! Rounding to fixed-point grids. A grid is given by its steps per unit, a power of two. Values on a grid, and their
+//! sums and products, which stay below 2^53, are exact in f64.
 
 pub(super) use crate::paper::index;
 
@@ -9,7 +9,7 @@ pub const SCALE: f64 = 65536.0;
 /// Resolution of interpolation weights, mean gray levels, fractions of a cell, and answered boxes: 1/256.
 pub const FINE: f64 = 256.0;
 
-/// Resolution of the template's gain per gray level of contrast in the search window: 1/16384.
+/// Resolution of the lighting (the template's gain / the search window's contrast in gray levels): 1/16384.
 pub const LIGHT: f64 = 16384.0;
 
 /// Resolution of the Gauss-Newton move: 1/64 template pixel.
@@ -36,7 +36,7 @@ pub fn quotient(number: f64, by: f64) -> f64 {
     (number as i128).div_euclid(by as i128) as f64
 }
 
-/// Least power of two `d` for which floor(`largest` / d) + 1, which no rounding exceeds, is at most `most`.
+/// Smallest power of two `d` with floor(`largest` / d) + 1, an upper bound of the rounded quotient, at most `most`.
 pub fn divisor(largest: f64, most: f64) -> f64 {
     let mut divisor = 1.0;
     while (largest / divisor).floor() + 1.0 > most {

@@ -17,7 +17,7 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// Copies a part; `None` if it reaches outside.
+    /// Copies a rectangle of the patch; `None` if the rectangle reaches outside.
     pub fn cut(&self, x: i64, y: i64, columns: i64, rows: i64) -> Option<Self> {
         let inside = x >= 0 && y >= 0 && x + columns <= self.columns && y + rows <= self.rows;
         let pixels = || (y..y + rows).flat_map(|row| self.row(x, row, columns)).copied().collect();
@@ -63,7 +63,7 @@ impl Shape {
     }
 }
 
-/// Shortens the longer side, of equal ones the second, until the area is at most `most`.
+/// Shortens the longer side (`down` if the sides are equal) until the area is at most `most`.
 fn fitting(mut across: i64, mut down: i64, most: i64) -> (i64, i64) {
     while across * down > most {
         if across > down {
@@ -122,8 +122,8 @@ impl Lattice {
         [left, top, right, bottom]
     }
 
-    /// Blocks of pixels that are averaged before interpolation: their side doubles until the mean step is below two
-    /// blocks.
+    /// Blocks of pixels that are averaged before interpolation. The side doubles until the mean sampling step is
+    /// shorter than two sides of a block.
     fn block(&self, numbers: &Numbers) -> Block {
         let mut side = 1;
         while (self.step + self.step_down) / 2.0 / to_f64(side) >= 2.0 {
@@ -140,7 +140,7 @@ struct Block {
 }
 
 impl Block {
-    /// Divides each axis into `parts` equal parts and reads the middle pixel of each part, of two the second.
+    /// Divides each axis into `parts` equal parts and reads each part's middle pixel, of two middle ones the second.
     fn new(side: i64, parts: i64) -> Self {
         let middle = |part: i64| to_i64((to_f64(side) * (to_f64(part) + 0.5) / to_f64(parts)).floor());
         Self { side, read: (0..parts).map(middle).collect() }

@@ -56,7 +56,7 @@ pub fn whole_box([x, y, width, height]: [f64; 4]) -> [i64; 4] {
     [edge(x), edge(y), side(x, width), side(y, height)]
 }
 
-/// Centres of the next windows for finding a lost target: at most `numbers.sweep`, from index `number` on, in one row.
+/// Centres of the next windows for finding a lost target: up to `numbers.sweep`, from index `number` to the row's end.
 /// The windows divide the frame into equal tiles, each no larger than a search of `reach` cells covers.
 pub fn sweep(numbers: &Numbers, shape: &Shape, frame: (i64, i64), scale: f64, number: i64) -> Vec<Place> {
     let covered = to_f64(2 * numbers.reach * numbers.cell) * shape.step_at(scale);

@@ -1,4 +1,4 @@
-//! Agreement, tile by tile, of a patch with the early template in the patch's brightness and contrast.
+//! Agreement, tile by tile, of a patch with the early template adapted to the patch's brightness and contrast.
 
 use super::Numbers;
 use super::lighting::{relit, threshold};
