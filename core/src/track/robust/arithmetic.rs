@@ -24,7 +24,7 @@ fn long_division(number: u64, divisor: u64) -> u64 {
     if divisor == 0 {
         return 0;
     }
-    // Aligns the divisor's highest bit with that of the number, then shifts it back bit by bit.
+    // Aligns the highest bits of divisor and number, then shifts the divisor back bit by bit.
     let places = divisor.leading_zeros().saturating_sub(number.leading_zeros());
     let (mut rest, mut subtracted, mut quotient) = (number, divisor << places, 0);
     for _ in 0..=places {

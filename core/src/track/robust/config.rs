@@ -21,7 +21,7 @@ settings! {
     {
         /// The similarity p(d) of two pixels that differ by d.
         table: &'static Table,
-        /// The backend that computes sums; affects only the time. `None`: the fastest backend of the machine.
+        /// The instruction set of the inner loops; affects only the time. `None`: the fastest one that the machine has.
         backend: Option<Backend>,
     }
     /// The box follows the size of the target.
@@ -76,7 +76,7 @@ impl Config {
         Self { refiner: true, ..Self::robust() }
     }
 
-    /// Checks the numbers, as [`Target::with`](crate::Target::with) does.
+    /// Checks the settings, as [`Target::with`](crate::Target::with) does.
     ///
     /// # Errors
     /// [`ConfigError::OutOfRange`], [`ConfigError::UncertainBelowLost`] or [`ConfigError::RefinerNotBuiltIn`].

@@ -1,6 +1,6 @@
 //! The constants of the method that are not in [`Config`](super::Config), with their units. A few others stand beside
 //! their formulas: in `features/motion.rs`, `decision/confidence.rs`, `similarity/contrast.rs` and `refiner/`
-//! (`crop.rs`, `correction.rs`, `opinion.rs`). The units of work stand in the stages that spend them.
+//! (`crop.rs`, `correction.rs`, `opinion.rs`). Each stage's cost in units of work stands in its own file.
 //!
 //! R, the success rate, is the fraction of frames with an IoU above 0.25, as a mean over 90 recordings, started on the
 //! first frame's annotated box. Changes of R with another value have a standard error (paired differences). R is 0.802
@@ -27,12 +27,12 @@ pub(super) const MOST_PIXELS: usize = 1600;
 pub(super) const MOST_CELLS: usize = 200;
 /// Weights of the largest correlation filter.
 pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
-/// The least and the most cells of the correlation filter on each axis.
+/// The minimum and the maximum side of the correlation filter, in cells.
 pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// Filter cells per target pixel on an axis, as a fraction: 1.4 / 4, because the filter is 1.4 times as wide and high.
+/// Filter cells per target pixel on an axis, as a fraction: 1.4 / 4, since the filter has 1.4 times the target's sides.
 pub(super) const COVER: [u32; 2] = [7, 20];
-/// The smallest step of the target's grid: half a pixel, in units of 1/4096. Smaller targets are not magnified further.
+/// The smallest step of the target's grid: half a pixel, in units of 1/4096. It magnifies small targets at most twice.
 pub(super) const LEAST_STEP: u32 = 2048;
 
 /// The floor that is added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for
@@ -62,29 +62,29 @@ pub(super) const REFINED_FROM: u16 = 55_000;
 pub(super) const MOST_MOVE: i64 = 64;
 /// The largest growth by the Gauss-Newton step of refinement, in units of 1/65536: 2 %.
 pub(super) const MOST_GROWTH: i32 = 1310;
-/// The binary logarithm of the damping (Levenberg) of refinement: each diagonal element of the normal equations grows
-/// by 2^-6 of itself. Without it, a target with a single edge could slide along that edge.
+/// The exponent of the damping (Levenberg) of refinement: each diagonal element of the normal equations grows by 2^-6
+/// of itself. Without damping, a target with a single edge could slide along that edge.
 pub(super) const DAMPING: u32 = 6;
 
 /// Tiles of the early template on each axis. Each of the 4 x 4 tiles is compared with the frame.
 pub(super) const TILES: u16 = 4;
-/// The agreement is the similarity ratio of the tile with this rank, from the lowest. With 4, three tiles may be
-/// hidden. The lowest tile (1) lowers the success rate R by 0.139 +- 0.024; the eighth (8) lowers it by 0.048 +- 0.022,
-/// and 66 % of the wrong frames are *tracking* instead of 23 %.
+/// The agreement is the similarity ratio with this rank among those of all tiles, from the lowest. With rank 4, three
+/// tiles may be hidden. Rank 1 lowers the success rate R by 0.139 +- 0.024. Rank 8 lowers it by 0.048 +- 0.022, and
+/// then 66 % of the wrong frames are *tracking* instead of 23 %.
 pub(super) const AGREEMENT_RANK: usize = 4;
-/// The least and the most threshold alpha, in gray levels. Pixels match if they differ by less than alpha, so 2 allows
-/// for the rounding of both. With a least alpha of 8, a target with little contrast would match any plain patch
-/// (`verification/lighting.rs`).
+/// The minimum and the maximum of the threshold alpha, in gray levels. Two pixels match if they differ by less than
+/// alpha, so 2 allows for their rounding. With a minimum of 8, a target with little contrast would match any plain
+/// patch (`verification/lighting.rs`).
 pub(super) const LEAST_ALPHA: u32 = 2;
 pub(super) const MOST_ALPHA: u32 = 100;
 /// A gain of 1, in units of 1/256: the patch has the contrast of the template.
 pub(super) const ONE_GAIN: u32 = 256;
 /// The largest expected gain of contrast from the template to the patch, in units of 1/256: 16.
 pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
-/// The least contrast of a search window, in units of 1/16 gray level. Lower ones are raised to it: 1/4 gray level.
+/// The minimum contrast of a search window, in units of 1/16 gray level: 1/4. Lower contrasts are raised to it.
 pub(super) const LEAST_WINDOW: u32 = 4;
-/// The followed light moves by 2^-3 of the way to the light of each frame. With 0 (all the way) 0.05 more of the wrong
-/// frames are called *tracking*, on half of the recordings.
+/// The light (`verification/lighting.rs`) follows that of each frame by 2^-3 of the difference. With 0 (the whole
+/// difference), 0.05 more of the wrong frames are called *tracking*, on half of the recordings.
 pub(super) const LIGHT_RATE: u32 = 3;
 /// The threshold alpha that measures how distinct a target is at the lock, in gray levels: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;
@@ -96,35 +96,35 @@ pub(super) const SCALE_STEP: i64 = 66_847;
 pub(super) const SCALE_PENALTY: i64 = 252;
 /// The radius of the search window at each scale of the scale search, in cells.
 pub(super) const SCALE_REACH: u16 = 1;
-/// The least and the most scale of a target, relative to its size at the lock.
+/// The minimum and the maximum scale of a target, relative to its size at the lock.
 pub(super) const LEAST_SCALE: u32 = SCALE / 5;
 pub(super) const MOST_SCALE: u32 = 5 * SCALE;
 
-// Confidence and evidence. Unit: 1/65536. The early template's full agreement adds 1, a filter response up to 1/2.
+// Evidence and confidence, in units of 1/65536. Evidence sums the agreement (up to 1) and the response (up to 1/2).
 
 /// The largest evidence of a frame for the target: 1.5.
 pub(super) const MOST_EVIDENCE: i32 = 3 << 15;
 /// The least evidence for the target with which the filter learns from a frame.
 pub(super) const LEARNED_FROM: i32 = 37_500;
-/// The least evidence in a window that finds a lost target again. `FOUND_LEAD` is needed as well.
+/// The minimum evidence in a search window for finding a lost target there. `FOUND_LEAD` is required as well.
 pub(super) const FOUND_FROM: i32 = 52_000;
-/// The least lead of the evidence in another window over that at the place where the target was lost.
+/// The minimum lead of the evidence in a search window over that at the place where the target was lost.
 pub(super) const FOUND_LEAD: i32 = 16_000;
-/// The running mean of the evidence exceeds the frame's evidence by at most this. So one frame without evidence makes a
-/// target *uncertain*, and with the default thresholds the second makes it *lost*. It improves the state, not the
-/// place: the success rate R without it is higher by 0.002 +- 0.002.
+/// The largest lead of the evidence's running mean over the frame's evidence. So one frame without evidence makes a
+/// target *uncertain*, and with the default thresholds the second makes it *lost*. This bound improves the state, not
+/// the place: the success rate R without it is higher by 0.002 +- 0.002.
 pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
 /// The regularisation lambda of the ridge regression: 0.05 * 318^2, because a feature of 1 is the integer 318.
 pub(super) const REGULARISATION: i64 = 5056;
 /// The largest error of a response, in units of 1/16384 (about 4). Larger errors are clamped to it.
 pub(super) const MOST_ERROR: i32 = 65_535;
-/// The largest coded error of a response: 289 of them times a feature of 8 bits stay below 2^31.
+/// The largest coded error of a response: a sum of 289 products with features of 8 bits stays below 2^31.
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;
 /// The squared width of the Gaussian label, as a fraction: (standard deviation / root of the target's area)^2 = 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
-/// The standard deviation of the mask that weights the filter's cells in learning: half of the target's side. Unit:
-/// 1/256 cell for each pixel of the template on that axis.
+/// The standard deviation of the mask that weights the filter's cells in learning: half of the target's side, on each
+/// axis. Unit: 1/256 cell for each pixel of the template's side.
 pub(super) const MASK_WIDTH: u32 = 32;
 /// Steps of conjugate gradients at the lock. More steps overfit the first frame: 9 lower the success rate R by 0.004 +-
 /// 0.006. 25 steps of steepest descent, at four times the work, raise it by 0.003 +- 0.005.

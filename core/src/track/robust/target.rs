@@ -328,7 +328,7 @@ impl Workspace {
         Self { progress: Progress::Nothing, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
-    /// The filter's penalised response at the peak that was answered, in units of 1/16384; 0 until it is refined.
+    /// The filter's penalised response at the peak of the answer, in units of 1/16384; 0 before that peak is refined.
     pub(crate) const fn response(&self) -> i32 {
         if let Progress::Update(update) = &self.progress { update.candidate().response } else { 0 }
     }

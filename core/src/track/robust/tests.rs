@@ -29,14 +29,14 @@ fn a_target_of_any_size_costs_about_the_same() {
         assert!(u64::from(work) <= most.update, "{target:?}: {work} of {most:?}");
         work
     };
-    // Puts the target in the middle of a frame of twice its size, or of as large a frame as possible.
+    // Puts the target in the middle of a frame of twice its size, at most 65,535 pixels on a side.
     let around = |across: u16, down: u16, pixels: fn(usize) -> Vec<u8>| {
         let [width, height] = [across, down].map(|side| side.saturating_mul(2));
         let pixels = pixels(usize::from(width) * usize::from(height));
         let [left, top] = [width - across, height - down].map(|room| i32::from(room / 2));
         let target = Rect::new(left, top, across, down);
         work_of(Config { refiner: cfg!(feature = "refiner"), ..Config::robust() }, &pixels, (width, height), target);
-        // Compares without scale search and refiner, which run only in some frames, and with one window of the sweep.
+        // Returns the work without scale search and refiner, which not every frame runs, and with one sweep window.
         work_of(Config { refiner: false, size: false, sweep: 1, ..Config::robust() }, &pixels, (width, height), target)
     };
     let black: fn(usize) -> Vec<u8> = |pixels| vec![0; pixels];
@@ -49,7 +49,7 @@ fn a_target_of_any_size_costs_about_the_same() {
     for side in [1, 79, 100, 159, 200, 319, 400, 800, 1279, 1500] {
         holds(side, side, noise, seen_40);
     }
-    // Two boxes are as long as possible. Samples of those six times as long as wide are nearly two blocks apart.
+    // Includes the longest possible boxes, and boxes six times as long as wide, with samples nearly two blocks apart.
     let small = [(600, 16), (16, 600), (65_535, 1), (1, 65_535), (992, 160), (160, 992)];
     for (across, down) in small.into_iter().chain([(13_000, 13_000), (65_535, 65_535), (50_920, 7890), (7890, 50_920)])
     {
@@ -62,7 +62,7 @@ fn most_done(config: Config) -> [u64; 3] {
     let mut most = [0; 3];
     // Filters of nearly 200 cells, the most, in three shapes.
     for (width, height) in [(79, 79), (158, 66), (316, 50), (300, 48)] {
-        // Five widths, so that a row of the sweep has at least four windows.
+        // The frame has five times the target's width, so that a row of the sweep has at least four windows.
         let (across, down) = (5 * width, 3 * height);
         let pixels = 15 * usize::from(width) * usize::from(height);
         let (first, other) = (noise(pixels), vec![0; pixels]);
@@ -108,7 +108,7 @@ fn every_reach_follows() {
         let config = Config { reach, ..most_parts() };
         let mut tracker =
             locked::<Robust>(config, &of_size(&scene(Some((100, 90)), 100), (320, 240)), Rect::new(100, 90, 40, 40));
-        // The least work of a frame, because the refiner runs only in some frames.
+        // The minimum work of a frame, because the refiner runs only in some frames, and the maximum area of a window.
         let mut after = (u32::MAX, 0);
         for number in 1..12 {
             let place = (100 + 3 * number, 90 - 2 * number);
@@ -134,7 +134,7 @@ fn a_plain_frame_holds_the_box() {
     }
 }
 
-/// A target of 40x40 pixels with strong tiles on weak tiles; `None`: no target. `light` scales gray levels, in percent.
+/// A target of 40x40 pixels, if `at` is given, on a background of low contrast. `light` scales gray levels, in percent.
 fn scene(at: Option<(i32, i32)>, light: u32) -> Vec<u8> {
     drawn((320, 240), |x, y| {
         let level = match at.map(|(left, top)| (x - left, y - top)) {
@@ -256,7 +256,7 @@ fn a_covered_lens_is_lost_and_teaches_nothing() {
                 (target.weights().to_vec(), target.early_template().unwrap().collect())
             };
             let before = learned(&tracker);
-            // The sweep of the frame repeats after a few updates. One kind stays covered as in `eval --fault cover`.
+            // The sweep repeats after a few updates. One target is covered for 300 frames, as in `eval --fault cover`.
             let covered = if name == "textured" { 300 } else { 60 };
             let states: Vec<State> = (0..covered).map(|_| update(&mut tracker, &[level; 160 * 120]).state).collect();
             let tracking = states.iter().filter(|&&state| state == State::Tracking).count();

@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn states_begin_at_their_thresholds() {
         let state = |mean: i32| Confidence(mean).state(&Config::robust());
-        // Thresholds are those of the confidence, 2/3 of the mean.
+        // The thresholds apply to the confidence, 2/3 of the mean.
         assert_eq!([state(28_799), state(28_800)], [State::Lost, State::Uncertain]);
         assert_eq!([state(48_749), state(48_750)], [State::Uncertain, State::Tracking]);
     }

@@ -49,8 +49,8 @@ impl Track {
         if config.refines() && opinion.code() > state.code() { opinion } else { state }
     }
 
-    /// True if the refiner's opinion gives the target up. False without redetection, which alone can find such a
-    /// target, and if the settings exclude the state *lost*.
+    /// True if the refiner's opinion gives the target up. False without redetection, because nothing else could find
+    /// the target again, and false if the settings exclude the state *lost*.
     pub(crate) fn is_given_up(&self, config: &Config) -> bool {
         config.refines() && config.sweep > 0 && config.lost_below > 0 && self.review.gives_up()
     }

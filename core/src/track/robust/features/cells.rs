@@ -88,7 +88,7 @@ impl Extractor {
         &mut self.sampling
     }
 
-    /// Begins the features of a window. `lattice` has a border of one sample. False if `out` is too small for them.
+    /// Begins the features of a window. `lattice` has a border of one sample. False if they do not fit in `out`.
     #[inline(never)]
     pub(crate) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.begin_rows(bounds, lattice);
@@ -136,7 +136,7 @@ impl Extractor {
                 sampler.row(number, line);
             }
             gradients(lines, computed, below, across);
-            // The next row of cells starts with the last two lines of this one. An assignment would copy on the stack.
+            // The next row of cells starts with the last two lines of this row. Assigning arrays would use the stack.
             let [first, second, _, _, fifth, sixth] = &mut *lines;
             for (to, from) in [(first, fifth), (second, sixth)] {
                 let columns = (across * usize::from(CELL) + 2).min(COLUMNS);
@@ -171,8 +171,8 @@ impl Extractor {
     }
 }
 
-/// Normalises a row of cells by the energies of three rows. `rows` of these lie in the window; the energies of other
-/// rows are 0. The energies `above` are overwritten as scratch memory.
+/// Normalises a row of cells by the energies of three rows. `rows` is the count of these rows that lie in the window;
+/// the energies of rows outside are 0. Overwrites the energies `above` as scratch memory.
 #[inline(never)]
 fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, out: &mut [i8]) {
     let (out, _) = out.as_chunks_mut::<CHANNELS>();

@@ -56,7 +56,7 @@ impl Grid {
         usize::from(self.across) * usize::from(self.down) * CHANNELS
     }
 
-    /// The work of one unit for each weight of the filter.
+    /// The count of the filter's weights, which is the work if each weight costs one unit.
     pub(crate) fn work_on_weights(&self) -> u32 {
         units(self.weights())
     }

@@ -23,10 +23,10 @@ use heapless::Vec;
 pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
 /// Units of work for each sample, without the pixels read.
 pub(crate) const SAMPLED: u32 = 32;
-/// The most pixels or blocks of the frame under a row of the largest lattice.
+/// The largest number of frame pixels, or of blocks of pixels, under a row of the largest lattice.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// The most pixels of the frame that a lattice reads: four of each block, and its step is less than two blocks.
+/// Upper bound of the frame pixels that a lattice reads: four of each block; steps are shorter than two blocks.
 pub(crate) const fn most_read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
@@ -100,7 +100,7 @@ impl Lattice {
         Self { x, y, step, step_down: step, columns, rows }
     }
 
-    /// The number of times that the frame is halved, until the mean step is less than two blocks.
+    /// The number of halvings of the frame, after which the mean of both steps is less than two blocks of pixels.
     #[inline(never)]
     fn halvings(&self) -> u32 {
         // The least number h of halvings with which the sum of both steps is below 2^(h + BITS).
@@ -305,7 +305,7 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// Interpolates two rows in a plain loop, vectorized by eight for Helium. Without fast word access it is best as well.
+/// Interpolates two rows in a plain loop: vectorized by eight for Helium, and the fastest without fast word access.
 #[cfg(any(smr_helium, smr_swar))]
 #[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {

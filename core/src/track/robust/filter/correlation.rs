@@ -50,7 +50,7 @@ pub(super) fn add_gradient<const S: usize>(
     piece + 1 >= products.gather_pieces(layout, gradient.len())
 }
 
-/// The largest coded value: 2000 of them times a feature of 8 bits stay below 2^31.
+/// The largest coded value: a sum of 2000 products with features of 8 bits stays below 2^31.
 pub(crate) const LARGEST: u32 = 8191;
 
 /// Up to `N` 16-bit integers with a common exponent (block floating point): each value is number * 2^`shift`.
@@ -73,8 +73,8 @@ impl<const N: usize> Coded<N> {
         self.shift
     }
 
-    /// Sets the direction to `sums` + `beta` * the direction before. Sums are in units of 2^`unit`, beta in units of
-    /// 2^-25. If beta is not 0, sums are at most 2047.
+    /// Sets the direction of a step to `sums` + `beta` * the previous direction. Sums are in units of 2^`unit`, beta in
+    /// units of 2^-25. If beta is not 0, sums are at most 2047.
     #[inline(never)]
     #[allow(clippy::cast_possible_truncation)] // at most 2047 + 3/4 * 8191, a coded value
     pub(super) fn set_direction(&mut self, sums: &[i32], unit: u32, beta: i64) {

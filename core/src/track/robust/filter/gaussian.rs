@@ -10,7 +10,7 @@ use super::super::features::Grid;
 use crate::kernels::rolled;
 use crate::similarity::PAPER;
 
-/// The factor exp(-256 / 255), in units of 1/65536.
+/// The factor exp(-256 / 255), which continues the table beyond its 256 entries, in units of 1/65536.
 const LOWER: u32 = 24_015;
 
 #[derive(Clone, Copy)]

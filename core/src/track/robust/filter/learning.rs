@@ -45,7 +45,7 @@ pub(crate) const fn most_of_a_lock(extent: Extent) -> u32 {
     without_responses(extent) + response::most_work(extent)
 }
 
-/// Upper bound of the work for the step of an update. It computes responses to the direction at fewer offsets.
+/// Upper bound of the work for an update's step, which computes fewer responses to the direction than a lock's.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     without_responses(extent) + response::most_work(Extent { reach: 5 * extent.reach / 8, ..extent })
 }
@@ -95,8 +95,8 @@ impl Sums {
         shift
     }
 
-    /// Computes and codes the direction. `direction` holds that of the step before, and `descent_before` its descent,
-    /// or 0 for steepest descent. Returns the descent, in the squared unit of the direction.
+    /// Computes and codes the direction. `direction` holds the previous one, and `descent_before` is its descent (grad
+    /// E . z), or 0 for steepest descent. Returns the new descent, in the squared unit of the direction.
     ///
     /// A slope is an element of grad E: `REGULARISATION` * weight + 2^(16 + `error_shift`) * gradient. The gradient is
     /// below 2^30 and `error_shift` at most 3, so a slope can exceed 32 bits. The loop tries units of 2^`unit`, the
@@ -139,7 +139,7 @@ impl Sums {
         }
     }
 
-    /// Subtracts `length` times the responses to the direction from `responses`. Codes them over the coded errors.
+    /// Subtracts `length` times the responses to the direction from `responses`. Overwrites the coded errors.
     #[inline(never)]
     pub(crate) fn descend(&mut self, length: i64, direction: &Coded<WEIGHTS>, responses: &mut Responses) {
         let numbers = ScaledSums::of(self.per_offset.as_flattened());
@@ -165,7 +165,7 @@ impl Sums {
     }
 }
 
-/// Computes the errors e = r - y of the responses, clamped. Returns the largest. `target` is the target's offset from
+/// Computes the errors, response - label, clamped. Returns the largest magnitude. `target` is the target's offset from
 /// the window's middle, in units of 1/256 cell.
 #[inline(never)] // keeps its stack out of `next_piece`
 fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
@@ -212,7 +212,7 @@ fn mask(grid: &Grid, weights: &[i32], (factor, left, shift): (i64, u32, u32), su
     descent
 }
 
-/// Masks the slopes of one cell: z = m * grad E. `part` is its m in units of 1/16384. Returns grad E . z.
+/// Masks the slopes grad E of one cell: z = m * grad E. `part` is the mask m, in units of 1/16384. Returns grad E . z.
 fn mask_cell(masked: &mut [i32], slopes: &[i16], part: i32) -> i32 {
     let pairs = rolled(masked.iter_mut().zip(slopes));
     let product = |(masked, &slope): (&mut i32, &i16)| {
@@ -230,7 +230,7 @@ pub(crate) struct Learning {
     rate: u16,
     /// True in a lock, which requires the responses to the direction at all offsets.
     locks: bool,
-    /// The descent of the last direction; 0 before the first.
+    /// The descent grad E . z of the last direction; 0 before the first direction.
     descent: i64,
     phase: Phase,
 }
@@ -257,7 +257,7 @@ impl Learning {
         Self { locks: true, ..Self::begin((0, 0), WHOLE_STEP) }
     }
 
-    /// Computes one piece. The last piece completes `direction` and returns the step length. Then the next step begins.
+    /// Computes a piece of a step. The last completes `direction`, returns the step length and begins the next step.
     pub(crate) fn next_piece(
         &mut self,
         training: &Training<'_>,

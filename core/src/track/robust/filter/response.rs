@@ -104,7 +104,7 @@ pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let mut response = responses.at(x, y).unwrap_or(i32::MIN);
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
-            // Skips lower responses without their penalty, which never raises a response.
+            // Computes no penalty for lower responses, because a penalty never raises a response.
             let counted = if candidate > response { responses.with_penalty(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);

@@ -21,7 +21,7 @@ use crate::kernels::Products;
 use crate::track::update::Budget;
 use heapless::Vec;
 
-/// Bytes of the largest window of features. That of the longest filter is largest, because its margin is longest.
+/// Bytes of the largest window of features: that of the longest filter, whose margin has the most cells.
 const CELLS: usize =
     (MOST_SIDE + 2 * SCALE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
 const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;

@@ -20,7 +20,8 @@ const ROWS: u16 = 32;
 pub(super) const SAMPLES: usize = SIDE * SIDE;
 /// Units of work for each sample that is normalised.
 const NORMALISED: u32 = 16;
-/// Upper bound of the work for a crop. The sampling steps across and down are together less than four blocks.
+/// Upper bound of the work for a crop, in units. The mean of the steps across and down is less than two blocks of
+/// pixels, so the crop reads four pixels in each of at most (2 * `side` + 2)^2 blocks.
 pub(super) const WORK: u32 = {
     let side = ROWS as u32;
     side * side * (SAMPLED + NORMALISED) + 4 * (2 * side + 2) * (2 * side + 2)
@@ -49,7 +50,7 @@ fn crop_of(target: FineRect) -> Lattice {
 }
 
 /// The rectangle of frame pixels that the crop of a box may read, if the box moves by up to `by` / 4096 pixels. A crop
-/// reads less than two blocks of pixels beyond its samples. A block's side is at most the mean of the steps.
+/// reads less than two blocks of pixels beyond its samples. A block's side is at most the mean step, or one pixel.
 #[inline(never)]
 pub(crate) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
     let ([x, y], [right, down]) = (middle(target), steps([target.width, target.height]));
@@ -59,7 +60,7 @@ pub(crate) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
     Rect::new(left, top, width, height)
 }
 
-/// The first pixel and the number of pixels of a range on an axis of the frame, `size` pixels long.
+/// The first pixel and the number of pixels of `middle` +- `reach` (1/4096 pixel), on an axis of `size` frame pixels.
 #[inline(never)]
 fn range(middle: i64, reach: i64, size: u16) -> (i32, u16) {
     let last = i64::from(size.max(1)) - 1;

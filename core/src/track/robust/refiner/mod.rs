@@ -41,7 +41,7 @@ pub(super) const SAVED: usize = Correction::SAVED + Opinion::SAVED + First::SAVE
 pub(super) const CROP_WORK: u32 = crop::WORK;
 pub(super) const WORK: u32 = CROP_WORK + network::WORK;
 
-/// The network's correction of the tracked box and its opinion of it, from frame to frame.
+/// The correction of the tracked box, and the network's opinion of the box, from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Review {
     correction: Correction,
@@ -98,7 +98,6 @@ impl Review {
 pub(super) enum Refiner {
     /// Samples the box and its surroundings in the present frame.
     Crop(Crop),
-    /// Computes the layers of the network.
     Layers(Layers),
 }
 

@@ -61,7 +61,7 @@ const fn split() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
     (biases, weights)
 }
 
-/// Each layer's inputs for each output, padded to a multiple of 4, and its outputs.
+/// Two counts for each layer: inputs of one output, padded to a multiple of 4, and outputs (channels of a convolution).
 const LAYERS: [(usize, usize); 6] = [(20, 8), (72, 16), (144, 24), (216, 24), (384, 24), (24, 6)];
 
 /// The shape of a convolution 3x3. Its inputs have a border of one pixel.
@@ -147,7 +147,7 @@ pub(crate) struct Layers {
 }
 
 impl Layers {
-    /// Interleaves both crops, sample by sample, as the inputs of the first layer. Fills the border with `MEAN`.
+    /// Interleaves the first and the present crop as inputs of the first layer. Fills the border with `MEAN`.
     #[inline(never)]
     pub(super) fn begin(first: &[i8], scratch: &mut [i8], budget: &mut Budget) -> Self {
         let [first_layer, ..] = CONVOLUTIONS;
@@ -190,7 +190,7 @@ impl Layers {
         None
     }
 
-    /// The index of the row's first output, and the row's outputs. They have a border if a convolution reads them.
+    /// The index of the row's first output and the number of outputs, which have a border if a convolution reads them.
     fn place(&self, side: usize, channels: usize) -> (usize, usize) {
         let border = usize::from(self.number + 1 < CONVOLUTIONS.len());
         (((self.row + border) * (side + 2 * border) + border) * channels, side * channels)
@@ -205,7 +205,7 @@ fn regions(scratch: &mut [i8]) -> Option<[&mut [i8]; 4]> {
     Some([patches, even, odd, spare])
 }
 
-/// Copies the 3x3 inputs of each output of a row, one after the other. Returns the number of inputs.
+/// Copies the 3x3 input pixels under each output pixel of a row to `patches`. Returns the length of all patches.
 #[inline(never)]
 fn gather(of: Convolution, length: usize, row: usize, inputs: &[i8], patches: &mut [i8]) -> usize {
     let patches = patches.chunks_mut(length.max(1)).take(of.side);

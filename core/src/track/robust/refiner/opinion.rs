@@ -19,11 +19,11 @@ use crate::track::saved::{Reader, Writer};
 
 /// The largest trust and opinion, in units of 1/4096: 3.
 const MOST: i32 = 3 << 12;
-/// The opinion below which the target is *uncertain*: 1.19, in units of 1/4096. The expected error is 0.12 sides then.
+/// The opinion below which the target is *uncertain*, in units of 1/4096: 1.19, for expected errors of 0.12 sides.
 const UNCERTAIN_BELOW: i32 = 4864;
 /// The opinion below which the target is *lost*, in units of 1/4096: 0.8, for expected errors of 0.15 sides. Of 95
-/// targets covered by noise, 67 are *lost* within 30 frames. With 2868 it is 55, and the fraction R of right frames
-/// changes by +0.0008 +- 0.0006; with 3686 it is 80, and R changes by -0.0020 +- 0.0011.
+/// targets covered by noise, 67 are *lost* within 30 frames. With 2868, 55 are *lost*, and the fraction R of right
+/// frames changes by +0.0008 +- 0.0006; with 3686, 80 are *lost*, and R changes by -0.0020 +- 0.0011.
 const LOST_BELOW: i32 = 3277;
 /// Updates in a row with an opinion below `UNCERTAIN_BELOW` after which the target is given up.
 const PATIENCE: i32 = 30;
@@ -50,7 +50,7 @@ impl Opinion {
 
     fn move_toward(&mut self, trust: i32) {
         let (mut mean, doubted) = (self.mean(), self.0 >> 16);
-        // Trust grows half as fast for a target that was doubted or found again.
+        // The opinion rises half as fast for a target that was doubted or found again.
         mean += (trust - mean) >> if mean < UNCERTAIN_BELOW.min(trust) { 4 } else { 3 };
         self.0 = if mean < UNCERTAIN_BELOW { mean | PATIENCE.min(doubted + 1) << 16 } else { mean };
     }
@@ -92,7 +92,7 @@ impl Opinion {
 mod tests {
     use super::*;
 
-    /// Spreads are sums of the network, which are below 2^28.
+    /// The logarithms of the spreads are outputs of the network, sums below 2^28.
     #[test]
     fn the_same_spreads_again_and_again_stay_within_bounds() {
         const LARGEST: i32 = 1 << 28;

@@ -1,4 +1,4 @@
-//! Scratch memory of an update or a lock. The stages use it in turn ("lends": its memory, for the filter's products).
+//! Scratch memory of an update or a lock. The stages use it in turn: the extractor lends its sums to the filter.
 //!
 //! | stage | `extractor` | `large` | `responses` | `coded` | `sums` | `small` | `comparison` |
 //! |---|---|---|---|---|---|---|---|
@@ -21,12 +21,12 @@ use super::super::filter::{Coded, Responses, Sums, scale};
 use super::super::verification::Comparison;
 use heapless::Vec;
 
-/// Bytes of the largest search window. That of the longest filter is largest, because its margin is longest.
+/// Bytes of the largest search window: that of the longest filter, whose margin has the most cells.
 const LARGE: usize =
     (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
 
 /// The scratch memory of the stages. The table of the [module](self) has the uses of each field.
-// Fields with padding precede a vector. Otherwise a build without optimisation builds the value on the stack.
+// Keep this order: vectors after fields with padding. Otherwise an unoptimised build builds the value on the stack.
 #[repr(C)]
 pub(crate) struct Buffers {
     /// The features of a search window, or the refiner's patches and layers.

@@ -14,7 +14,7 @@ const fn update(config: &Config, extent: Extent) -> u32 {
     let begin = CODED * extent.weights() + COPIED * extent.pixels();
     let scales = if config.size { scale::most_work(extent) } else { 0 };
     let refiner = if config.refines() { refiner::WORK } else { 0 };
-    // A frame is learned or redetected, never both.
+    // An update learns from its frame or redetects the target, never both.
     let learned = learning::most_work(extent) + refiner;
     let redetected = config.sweep as u32 * search(extent);
     begin + search(extent) + REFINED * extent.pixels() + scales + largest(&[learned, redetected])

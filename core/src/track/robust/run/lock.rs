@@ -53,7 +53,7 @@ impl LockPipeline {
         lock
     }
 
-    /// Runs pieces until the granted work is spent. True if no stage remains.
+    /// Runs pieces of work until the grant is spent. True if no stage remains.
     pub(crate) fn step(
         &mut self,
         (config, memory): (&Config, &mut Memory),
@@ -119,7 +119,7 @@ impl LockPipeline {
         self.stage = Stage::Template;
     }
 
-    /// Measures the light at the lock, where the gain is 1 by definition.
+    /// Measures the light (gain divided by window contrast) at the lock, where the gain is 1 by definition.
     fn measure_light(&mut self, buffers: &Buffers, budget: &mut Budget) {
         self.track.light = Light::of(ONE_GAIN, window_contrast(&buffers.large));
         budget.spend(measuring(&buffers.large));

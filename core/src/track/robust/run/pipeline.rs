@@ -85,7 +85,7 @@ impl Pipeline {
         &self.candidate
     }
 
-    /// Runs pieces until the granted work is spent. True if no stage remains.
+    /// Runs pieces of work until the grant is spent. True if no stage remains.
     pub(crate) fn step(
         &mut self,
         inputs: &Inputs<'_>,

@@ -73,9 +73,9 @@ fn pixels(track: &Track, place: &Place, reach: u16) -> Rect {
     Lattice::search_window(place, &track.grid, reach).pixels(track.bounds)
 }
 
-/// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`. The
-/// margin: the peak may lie between cells, alignment moves by `MARGIN` pixels, refinement by one, and the scale may
-/// grow by a step.
+/// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`. They have
+/// a margin: the peak may lie between cells, alignment moves by up to `MARGIN` pixels, refinement by one, and the scale
+/// may grow by a step.
 fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
     let [_, larger] = other_scales(centre.scale);
     let pixels = (reach + 1) * CELL + MARGIN + 2;

@@ -33,7 +33,7 @@ const COMPARED: u32 = 12;
 const RELIT: u32 = 20;
 
 pub(crate) const fn most_of_a_view(extent: Extent) -> u32 {
-    // The longest template that a filter covers has the longest margin.
+    // The template is at most as wide and as high as the filter.
     let (columns, rows) =
         (extent.across * CELL as u32 + 2 * MARGIN as u32, extent.down * CELL as u32 + 2 * MARGIN as u32);
     columns * rows * SAMPLED + most_read(columns, rows)
@@ -116,12 +116,12 @@ impl Comparison {
         self.contrast = self.relit(early.grid).map_or(Contrast::NONE, Contrast::of);
     }
 
-    /// Sets the gain that the followed light predicts for a search window with the contrast `window`.
+    /// Sets the expected gain, which `light` predicts for a search window with the contrast `window`.
     pub(crate) fn expect(&mut self, light: Light, window: u32) {
         (self.window, self.expected) = (window, light.gain(window));
     }
 
-    /// The light of this frame: the gain of the last relighting relative to the window's contrast.
+    /// The light of this frame: the gain of the last relighting divided by the window's contrast.
     pub(crate) fn light(&self) -> Light {
         Light::of(self.gain, self.window)
     }

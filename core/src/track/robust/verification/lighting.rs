@@ -41,7 +41,7 @@ fn count(cells: &[i8]) -> u32 {
     u32::try_from(cells.len() / CHANNELS).unwrap_or(0)
 }
 
-/// The target's gain of contrast for each gray level of contrast in its search window, in units of 2^-14.
+/// The target's gain of contrast divided by the contrast of its search window in gray levels, in units of 1/16384.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Light(u32);
 
@@ -49,12 +49,12 @@ impl Light {
     pub(crate) const NONE: Self = Self(0);
     const MOST: u32 = ((2 * MOST_EXPECTED) << 10) / LEAST_WINDOW;
 
-    /// The light with this gain of the target (1/256) and this contrast of its search window (1/16 gray level).
+    /// The target's `gain` (1/256) divided by the contrast `window` of its search window (1/16 gray level).
     pub(crate) fn of(gain: u32, window: u32) -> Self {
         Self((gain << 10) / window.max(LEAST_WINDOW))
     }
 
-    /// The expected gain of the target in a window of this contrast.
+    /// The expected gain of the target's contrast (1/256) in a search window of contrast `window` (1/16 gray level).
     pub(crate) fn gain(self, window: u32) -> u32 {
         ((self.0 * window) >> 10).clamp(1, MOST_EXPECTED)
     }
@@ -80,16 +80,16 @@ pub(crate) fn window_contrast(cells: &[i8]) -> u32 {
     (16 * grays().map(|gray| gray.abs_diff(mean)).sum::<u32>() / count).max(LEAST_WINDOW)
 }
 
-/// The threshold alpha: the lower of the deviations of the patch and of the template with this gain. With that of the
-/// patch alone, noise would match a template that has little contrast in the present light.
+/// The threshold alpha: the patch's deviation, or the template's times `gain` if that is lower. With the patch's alone,
+/// noise would match a template that has little contrast in the present light.
 pub(crate) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
     // The product is at most 2^13 * 2^18, below 2^32.
     let deviation = patch.deviation.min((gain * template.deviation) >> 8);
     u16::try_from((deviation / patch.pixels.max(1)).clamp(LEAST_ALPHA, MOST_ALPHA)).unwrap_or(0)
 }
 
-/// True if a patch has at least a quarter of the expected contrast, at least one gray level, and at most half of its
-/// pixels clipped beyond those of the template. `template` is the template's contrast before relighting.
+/// True if a patch can show the target. Its contrast is at least a quarter of the expected one, and at least one gray
+/// level. Its clipped pixels exceed the template's by at most half of all pixels. `template` is not yet relit.
 pub(super) fn can_show(patch: Contrast, template: Contrast, expected: u32) -> bool {
     LARGEST_CONTRAST_RATIO * ONE_GAIN * patch.deviation >= expected * template.deviation
         && patch.deviation >= patch.pixels

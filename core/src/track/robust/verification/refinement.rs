@@ -24,7 +24,7 @@ use crate::kernels::rolled;
 
 /// Units of work for each pixel of the template.
 pub(crate) const REFINED: u32 = 40;
-/// The most bits of a sum of squares when the normal equations are solved.
+/// The largest number of bits of a sum of squares when the normal equations are solved.
 const BITS_OF_SUMS: u32 = 12;
 
 /// The target's offset from the view's middle, in units of 1/64 pixel of the grid, and its growth, in units of 1/65536.
@@ -51,7 +51,7 @@ pub(crate) fn refine(
 }
 
 /// The normal equations: sums over all pixels but those at the edge. A slope to the right or down is four times the
-/// mean slope of both pictures: at most 510. With (u, v), twice the distance from the middle, the slope outward is
+/// mean slope of patch and template: at most 510. With (u, v), twice the distance from the middle, the slope outward is
 /// `(right * u + down * v) / 64`: at most 510 (columns + rows) / 64 < 1130.
 #[derive(Clone, Copy, Default)]
 struct NormalEquations {
