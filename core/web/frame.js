@@ -1,4 +1,4 @@
-// Frames as JavaScript has them: gray bytes, or the RGBA of a canvas. Only the pixels of a window are copied.
+// Frames as JavaScript has them: gray bytes, or the RGBA of a canvas. Only the pixels that a tracker reads are copied.
 
 import { SmrError, bytesOf, object, whole } from "./errors.js";
 

@@ -432,7 +432,8 @@ export class Tracker {
     [...this.#takers].forEach((take) => take(this.#head, true));
   }
 
-  // Performs a call that adds up to `size` bytes and its entries' headers to the flight record, and passes them on.
+  // Performs `call`, which adds up to `size` bytes and headers of entries to the flight record, and passes these bytes
+  // to all functions given to `record`.
   #recorded(size, call) {
     if (this.#takers.size === 0) {
       return call();

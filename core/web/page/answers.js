@@ -147,7 +147,7 @@ class Rows {
     }
   }
 
-  // Reallocates all columns to begin with the frame `first` and have this length.
+  // Reallocates all columns to begin with the frame `first` and have `length` entries.
   #move(first, length) {
     const moved = (old) => {
       const made = new old.constructor(length);

@@ -74,7 +74,7 @@ function visitNamed() {
   visit(number);
 }
 
-// ---- what the user draws
+// ---- boxes that the user draws
 
 // Returns the box from which drawing by keys starts: the target's, or one in the middle of the view.
 function startBox() {
@@ -121,8 +121,8 @@ function ask(what, words = "") {
 
 const targetOf = (id) => edits.targets.find((target) => target.id === id) ?? null;
 
-// Returns the box at a point and its part to drag; edges and corners only of the chosen target. While a target is being
-// added there is none, so that every drag draws.
+// Returns the box at a point and its part to drag, edges and corners only of the chosen target; null while a target is
+// being added, so that every drag draws a box.
 function gripAt(point, reach) {
   const chosen = edits.chosen;
   for (const target of chosen === null ? [] : [chosen, ...edits.targets]) {
@@ -203,7 +203,7 @@ function undo(isRedo) {
   }
 }
 
-// ---- what the source tells
+// ---- messages from the source
 
 function heard(told) {
   if (told.opened !== undefined) {
@@ -260,7 +260,7 @@ function gone() {
   draw();
 }
 
-// ---- what is drawn
+// ---- drawing
 
 // Returns the box of a target in the shown frame: the user's, else the tracker's.
 const boxOf = (target) => boxIn(target, playback.shown);
@@ -571,7 +571,7 @@ function listen() {
 function useMethod() {
   Object.assign(recording, chosenTracker(recording));
   trying(source.method(recording.method, recording.options));
-  // The element shows the former settings.
+  // Closes the element, because it shows the former settings.
   byId("firmware").open = false;
   showMethod();
   draw();

@@ -1,4 +1,4 @@
-// Client of `host-sim view`: the source of the application whose frames and answers come from host-sim over HTTP.
+// Client of `host-sim view`: the application's source of frames and answers, which host-sim sends over HTTP.
 
 import { targetOf, toldOf } from "./edits.js";
 
@@ -50,7 +50,7 @@ export class Connection {
         if (parts.length > 0) {
           news.rows.push(...(await answersOf(parts, now())));
         }
-        // Waits for the revision of this page's own change, which is not to be reported as another page's.
+        // Waits for the reply to this page's own change, so that it is not taken for a change by another page.
         await this.#sending;
         const isNew = news.revision > this.#revision;
         this.#revision = Math.max(this.#revision, news.revision ?? 0);
@@ -108,7 +108,7 @@ export class Connection {
   }
 }
 
-// Loads answers of one of `parts`, if possible the part that contains the frame `now`, and removes them from `parts`.
+// Loads answers of one of `parts`, if possible the one with the frame `now`, and removes their frames from `parts`.
 async function answersOf(parts, now) {
   const isHere = ([, first, last]) => first <= now && now <= last;
   const [part] = parts.splice(Math.max(parts.findIndex(isHere), 0), 1);

@@ -141,7 +141,7 @@ export class Drag {
 /** Returns the part of a box at a point as [across, down], each -1 or 1 at an edge and 0 inside; null if outside. */
 export function gripOf(box, { x, y }, reach) {
   const side = (value, from, size) => {
-    // The middle half of a box is always its inside, by which the box is moved.
+    // At least the middle half of a box counts as its inside, where a drag moves the box.
     const inner = Math.min(reach, size / 4);
     if (value < from - reach || value > from + size + reach) {
       return null;

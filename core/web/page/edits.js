@@ -129,14 +129,14 @@ export class Edits {
     if (step === undefined) {
       return;
     }
-    // If a later change is refused as well, it reverts to the state before this one.
+    // A later change that is refused as well must revert to the state before this change.
     this.#steps.filter(({ before }) => before.targets === targets).forEach((later) => (later.before = step.before));
     if (this.targets === targets) {
       ({ targets: this.targets, past: this.#past, future: this.#future, chosen: this.#chosen } = step.before);
     }
   }
 
-  // Sets the targets and the history, and stores the state before, for `takeBack`.
+  // Sets the targets and the history, and stores the former state for `takeBack`.
   #change(targets, past, future) {
     const before = { targets: this.targets, past: this.#past, future: this.#future, chosen: this.#chosen };
     [this.targets, this.#past, this.#future] = [targets, past.slice(-MOST_UNDONE), future];
@@ -150,7 +150,7 @@ export class Edits {
     return { id: this.#ids, name: "", color: colorOf(this.#ids), locks: [] };
   }
 
-  // Returns the name, or none if an existing target has it already.
+  // Returns the name, or an empty text if an existing target has this name.
   #freeName(name) {
     const isFree = (one) => this.targets.every((target) => nameOf(target) !== one);
     const plain = plainName(name);
@@ -162,7 +162,7 @@ export class Edits {
   }
 }
 
-// Sorts locks, and drops marks of a gone target that repeat or precede its first box.
+// Sorts locks by frame, and drops each mark "gone" that follows another one or precedes the first box.
 function inOrder(locks) {
   const sorted = [...locks].sort((one, other) => one.number - other.number);
   return sorted.filter(({ box }, at) => box !== null || (at > 0 && sorted[at - 1].box !== null));

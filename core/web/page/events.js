@@ -2,7 +2,7 @@
 
 import { htmlNode } from "./dom.js";
 
-// Fewest frames for which a target is uncertain or leaving to count as an event; less is flicker.
+// Minimum length in frames of an event in which a target is uncertain or leaving; a shorter one is flicker.
 const LEAST_FRAMES = 10;
 const AS_STATE = { locked: "tracking", corrected: "tracking", found: "tracking", back: "tracking" };
 

@@ -89,7 +89,7 @@ export class Graph {
     return this.#part ?? this.#all();
   }
 
-  // Shows a range of frames, clamped to the existing ones and to a least length.
+  // Shows a range of frames, clamped to the existing frames and to a minimum length.
   #show(from, to) {
     if (!this.#zooms) {
       return;
@@ -146,7 +146,7 @@ export class Graph {
         this.#pressed = { canvas, x: event.clientX, isHand: event.pointerType === "touch" || event.shiftKey, isClick: this.#fingers.size === 1 && !event.shiftKey };
       }
     });
-    // The wheel moves the range sideways; up and down, it scrolls the page.
+    // Turned sideways, the wheel moves the range; turned up or down, it scrolls the page.
     canvas.addEventListener("wheel", (event) => {
       const isSideways = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
       if (this.#part !== null && isSideways && !event.ctrlKey) {

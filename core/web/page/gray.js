@@ -1,5 +1,5 @@
-// Converts a picture to gray pixels: of a video its luma in the full range, as in host-sim and ffmpeg; of any other
-// picture the gray of its colors.
+// Converts a picture to gray pixels. For a video they are its luma in the full range, as in host-sim and ffmpeg; for
+// any other picture they are computed from its colors.
 
 const WITH_LUMA = ["I420", "I420A", "I422", "I444", "NV12"];
 

@@ -144,7 +144,7 @@ export class Playback {
     this.#pictures.want([...new Set([this.frame, ...ahead, this.shown, this.#peeked].filter((number) => number !== null))]);
   }
 
-  // Handles a loaded picture. While the user drags the slider, a frame nearer to the requested one is shown meanwhile.
+  // Handles a loaded picture. Until the requested frame is loaded, shows any that is nearer to it than the shown frame.
   // The first picture of a camera is always shown, because the camera has moved on when it arrives.
   #came(number) {
     const isNearer = this.shown === null ? this.#page.isLive() : Math.abs(number - this.frame) < Math.abs(this.shown - this.frame);

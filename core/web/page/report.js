@@ -190,7 +190,7 @@ function fit() {
     return;
   }
   high(`max(26vh, ${Math.min(room.getBoundingClientRect().bottom - rest, full)}px)`);
-  // The player scrolls away with the end of the curves.
+  // At the end of the curves, the player scrolls out of view with them.
   screen.style.transform = `translateY(${Math.min(byId("player").getBoundingClientRect().bottom - screen.offsetHeight, 0)}px)`;
 }
 

@@ -5,10 +5,10 @@ import { placeOf } from "./events.js";
 import { palette } from "./palette.js";
 
 const WORST_LAST = [undefined, "tracking", "leaving", "uncertain", "lost"];
-// Most frames whose states are read in one drawing; the rest of a long video is read in the next drawings.
+// Largest number of frames whose states are read in one drawing; the next drawings go on through a long video.
 const BUDGET = 10_000;
 const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6, LEAST_HEIGHT = 32;
-// Milliseconds for which the head stays where the user put it, if that frame cannot be shown.
+// Milliseconds for which the playhead stays where the user put it, if that frame cannot be shown.
 const PATIENCE_MS = 1000;
 
 /** Divides the frames `first` to `last` into `count` columns of pixels, and finds the worst state in each. */
@@ -211,7 +211,7 @@ export class Timeline {
     }
   }
 
-  // Recomputes the columns of the shown and the last tracked frame each time, and the others in turn.
+  // Recomputes the pixel columns of the shown and the last tracked frame in each drawing, the other columns in turn.
   #look(count) {
     const { first, last, frame, followed, strips } = this.#shown;
     const isOther = (one) => one?.count !== count || one.first !== first || one.last !== last;

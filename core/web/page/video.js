@@ -1,5 +1,4 @@
-// Decodes the pictures of a video file by number. Where the browser skips a picture, it seeks back, so that none is
-// lost.
+// Decodes the pictures of a video file by number. If the browser skips a picture, the decoder seeks back to it.
 
 import { lacking } from "./codec.js";
 import { quoted } from "./command.js";
@@ -13,7 +12,7 @@ const GAP = 1.5;
 const SLACK = 1.25;
 // Ratio of the mean to the shortest time between pictures, above which a video's frames count as uneven.
 const UNEVEN = 1.2;
-// A time in seconds that is shorter than files can resolve.
+// Tolerance in seconds when times are compared: less than the resolution of times in files.
 const TIME_EPSILON = 0.0005;
 // Count of decoded pictures in the queue at which the video pauses.
 const MOST_WAITING = 3;
@@ -21,10 +20,10 @@ const MOST_WAITING = 3;
 const SPEED = 2;
 // Factor of the playback rate after a skipped picture, and count of unskipped pictures after which it is undone.
 const SLOWER = 0.8, PATIENCE = 10;
-// Least factor of the playback rate: below it, seeking to each picture is faster.
+// Smallest factor of the playback rate: below it, seeking to each picture is faster.
 const LEAST_PART = 0.3;
-// Longest wait for a picture after a seek (ms), and most waits: while the old picture is shown, and while there is
-// none.
+// Longest wait for a picture after a seek (ms), and the largest number of waits: while the old picture is shown, and
+// while no picture is shown.
 const LATE_MS = 150, WAITS = 2, WAITS_FOR_ANY = 100;
 
 function pictureOf(video) {
@@ -259,7 +258,7 @@ export class Video {
     }
   }
 
-  // Queues an action that seeks behind earlier ones. Afterwards the video plays on.
+  // Runs `seek`, an action that seeks, after all earlier ones. Then the video plays on.
   #alone(seek) {
     const { signal } = this.#stopped;
     const failed = (error) => signal.aborted || this.#fail(error);
@@ -278,7 +277,7 @@ export class Video {
       return;
     }
     if (video.ended) {
-      // Calling play() would start at the beginning.
+      // At the end, play() would start at the beginning.
       this.#goBack(Infinity);
       return;
     }
@@ -367,7 +366,7 @@ export class Video {
       reach *= 2;
       next = await this.#pictureAt(time + reach);
     }
-    // If there is a picture in between, a seek to just before `next` finds it.
+    // If there is a picture between `time` and `next`, a seek to just before `next` finds it.
     while (next.time - time > GAP * (this.#known.step ?? 0)) {
       const before = await this.#pictureAt(next.time - TIME_EPSILON);
       const isNext = before.time <= time + TIME_EPSILON;

@@ -87,7 +87,7 @@ export class Viewport {
     this.#page.changed();
   }
 
-  // Zooms by the wheel, or moves with shift. If the whole frame is visible, turning down scrolls the page instead.
+  // Zooms by the wheel, or moves with shift. If the whole frame is visible, a turn down scrolls the page instead.
   #wheel(event) {
     const { deltaX, deltaY, ctrlKey, shiftKey } = event;
     if (this.#page.size() === null || (this.#zoom === 1 && deltaY >= 0 && !ctrlKey)) {

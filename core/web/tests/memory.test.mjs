@@ -82,7 +82,7 @@ test("a call that is refused takes no memory", async () => {
   ]];
   calls.forEach((call) => assert.throws(call, SmrError));
   assert.equal(simd.memory, before);
-  // Bytes that begin like a saved target take at most as much memory as the largest one.
+  // Bytes that begin like a saved target take at most as much memory as the largest saved target.
   robust.lock(frame, frame.box);
   const head = robust.save().subarray(0, 14);
   for (const bytes of [starts(head), starts([...head.subarray(0, 13), 1])]) {

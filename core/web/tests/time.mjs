@@ -1,5 +1,5 @@
 // Measures updates of 640x480 frames by both WebAssembly modules: node core/web/tests/time.mjs. Prints microseconds:
-// the least of the rounds' medians, because other programs only add time.
+// the minimum over the rounds' medians, because other programs only add time.
 
 import assert from "node:assert/strict";
 import { frames, libraries, random } from "./library.mjs";

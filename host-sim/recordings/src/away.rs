@@ -1,4 +1,4 @@
-//! Simulates a target that leaves: frames show the scene beside it, then the recording shifted as it returns.
+//! Simulates a target that leaves: frames show only the scene beside it, and from its return on the shifted recording.
 
 use super::{BoundingBox, GrayFrame};
 use smr_core::Rect;
@@ -15,8 +15,8 @@ pub struct Away {
 }
 
 impl Away {
-    /// Chooses the largest strip of the frame beside all boxes of the frames in `gone` and of the one before them, and
-    /// a shift that keeps the box in the frame.
+    /// Chooses the largest strip of the frame beside all boxes of the frames in `gone` and of the frame before them,
+    /// and a shift after which the box of the returning target is still in the frame.
     pub fn new(truth: &[Option<BoundingBox>], gone: Range<usize>, frame: Rect) -> Self {
         let corners = |at: &BoundingBox| [[at.x, at.y], [at.x + at.width, at.y + at.height]];
         let corners: Vec<_> = truth[gone.start - 1..gone.end].iter().flatten().flat_map(corners).collect();
@@ -42,7 +42,7 @@ impl Away {
             if index >= self.gone.len() {
                 return (at - self.shift[axis]).clamp(0, side - 1);
             }
-            // The view has turned until the strip starts at the other side of the frame; mirror images follow.
+            // The strip appears at the frame's other side, as if the camera had turned; mirror images of it follow.
             let length = (end - start).max(1);
             let at = if start == 0 { at + length - side } else { at }.rem_euclid(2 * length);
             start + at.min(2 * length - 1 - at)
@@ -67,7 +67,7 @@ impl Away {
 mod tests {
     use super::*;
 
-    /// Frames of 16x8 pixels whose level is their index. The 4x2 target is gone in the second and third frame.
+    /// A frame of 16x8 pixels, each with its index as gray level. The 4x2 target is gone in frames 2 and 3 of four.
     fn away(places: [[i32; 2]; 4]) -> (GrayFrame, Vec<Option<BoundingBox>>, Away) {
         let truth = places.map(|[x, y]| Some([x, y, 4, 2].into())).to_vec();
         let away = Away::new(&truth, 1..3, Rect::new(0, 0, 16, 8));
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn a_target_is_gone_and_back_elsewhere() {
-        // The largest strip is columns 9 to 15. The target returns 4 right and 2 down, farthest from (2, 3).
+        // The largest strip is columns 9 to 15. The target returns shifted by 4 right and 2 down, far from (2, 3).
         let (frame, truth, away) = away([[2, 3], [3, 4], [5, 4], [4, 3]]);
         let row = |index, row: usize| away.view(index, &frame).pixels[16 * row..][..16].to_vec();
         assert_eq!(row(1, 0), [9, 10, 11, 12, 13, 14, 15, 15, 14, 13, 12, 11, 10, 9, 9, 10]);

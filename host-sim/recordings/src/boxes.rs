@@ -33,7 +33,7 @@ impl BoundingBox {
         (!rect.is_empty()).then_some(rect)
     }
 
-    /// Returns [`Self::to_rect`], or an error if that is `None`. The message continues the words "the box".
+    /// Returns [`Self::to_rect`], or an error if it is `None`. The text of the error continues the words "the box".
     pub fn pixels(&self) -> Result<Rect> {
         self.to_rect().with_context(|| {
             let least = self.width.min(self.height).round();
@@ -290,14 +290,14 @@ fn four_numbers(line: &str) -> Option<[f64; 4]> {
     numbers(line)?.try_into().ok()
 }
 
-/// Parses numbers with one separator, NaN but not infinity. Refuses two separators, because commas may be decimal.
+/// Parses numbers separated by commas, tabs or spaces. Refuses infinity and mixed separators (decimal commas).
 fn numbers(line: &str) -> Option<Vec<f64>> {
     let separator = [',', '\t'].into_iter().find(|&separator| line.contains(separator)).unwrap_or(' ');
     let line = line.trim().trim_end_matches(separator);
     let fields = line.split(separator).map(str::trim).filter(|field| separator == ',' || !field.is_empty());
     let numbers = fields.map(|field| field.parse().ok().filter(|value: &f64| !value.is_infinite()));
     let numbers: Vec<f64> = numbers.collect::<Option<_>>()?;
-    // Refuses "60,5, 80,5, ...": decimal commas would make it the eight numbers of a polygon.
+    // Refuses "60,5, 80,5, ...": with decimal commas, four numbers would be read as the eight of a polygon.
     let with_blank = line.split(',').filter(|field| field.starts_with([' ', '\t'])).count();
     (numbers.len() <= 4 || with_blank == 0 || with_blank + 1 == numbers.len()).then_some(numbers)
 }

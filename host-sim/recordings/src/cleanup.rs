@@ -44,7 +44,7 @@ fn asks_to_stop(signal: i32) -> bool {
     STOPS_FIRST.load(Ordering::SeqCst) && STOPPED.swap(signal, Ordering::SeqCst) == 0
 }
 
-/// Locks a mutex even if a thread panicked while it held it, because registered files must still be removed.
+/// Locks a mutex even if a thread panicked while holding it, because registered files must still be removed.
 pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -111,7 +111,7 @@ impl Process {
         if let Some(mut complaints) = self.complaints() {
             thread::spawn(move || {
                 let mut bytes = Vec::new();
-                // Reads to the end, because the writer would block. After an error, the text read so far is sent.
+                // Reads to the end, because a full pipe would block the writer. After an error, sends the text so far.
                 let _ = complaints.read_to_end(&mut bytes);
                 sender.send(String::from_utf8_lossy(&bytes).into_owned())
             });
@@ -123,12 +123,12 @@ impl Process {
         end(&self.child);
     }
 
-    /// Returns the exit status; `None` while the program runs.
+    /// Returns the exit status; `None` while the process runs.
     pub fn ended(&self) -> io::Result<Option<ExitStatus>> {
         locked(&self.child).try_wait()
     }
 
-    /// Waits for the process to end while `more` of the time waited so far is true; `None` if it has not ended then.
+    /// Waits until the process ends or `more`, called with the time waited so far, returns false (then `None`).
     pub fn wait_while(&self, mut more: impl FnMut(Duration) -> bool) -> io::Result<Option<ExitStatus>> {
         let begin = Instant::now();
         loop {

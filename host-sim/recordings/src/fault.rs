@@ -39,7 +39,7 @@ enum Kind {
     Offset,
 }
 
-/// Length in frames of the faults whose parameter is a strength.
+/// Length in frames of the faults whose parameter is a strength, except changes of light.
 const FRAMES: usize = 10;
 
 const LIGHT_FRAMES: usize = 150;

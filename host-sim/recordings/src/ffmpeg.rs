@@ -35,7 +35,7 @@ impl Moment {
     }
 }
 
-/// Returns the path after `file:`, without which ffmpeg takes a colon in the name for the end of a protocol.
+/// Returns the path with the prefix `file:`, without which ffmpeg takes a colon in the name for the end of a protocol.
 pub fn input(file: &Path) -> OsString {
     let mut input = OsString::from("file:");
     input.push(file);
@@ -127,8 +127,8 @@ impl Ffmpeg {
         bail!("{name} holds no frame that ffmpeg decodes");
     }
 
-    /// Returns an error if ffmpeg has reported one: it conceals damage by invented pixels, goes on, and exits with
-    /// success. A packet also looks damaged where videos were joined, so such a packet counts only with `has_gap`.
+    /// Returns an error if ffmpeg has reported one: it fills damaged areas, goes on, and exits with success. A packet
+    /// also looks damaged where videos were joined, so it counts only with `has_gap` (missing frames).
     pub fn verdict(&mut self, has_gap: bool) -> Result<()> {
         let (status, mut said) = self.end()?;
         if has_gap && said.last.is_empty() {

@@ -6,9 +6,9 @@ pub(super) enum Transfer {
     Hlg,
 }
 
-/// Tone curve: the screen shows L (1 + L / P^2) / (1 + L) for a light L, where P is 1000 cd/m2. L is the brightest of
-/// red, green and blue, as a multiple of white paper (203 cd/m2, ITU-R BT.2408); the other two colors get the same
-/// factor. Colors outside of BT.709 are clipped.
+/// Tone curve: the screen shows L (1 + L / P^2) / (1 + L) for a light L. L is the brightest of red, green and blue, and
+/// P is 1000 cd/m2, both as multiples of white paper (203 cd/m2, ITU-R BT.2408); all three colors get the same factor.
+/// Colors outside of BT.709 are clipped.
 pub(super) struct Tones {
     transfer: Transfer,
     /// Light of each 12-bit level, as a multiple of white paper; for HLG the light of the scene, from 0 to 1.

@@ -1,4 +1,4 @@
-//! Index of a video: the time of each frame in seconds, and the frames that can be found by a seek.
+//! Index of a video: the time of each frame in seconds, and whether a seek to that time finds the frame.
 //!
 //! Times are read from packets if each packet is one frame and times grow; otherwise the whole file is decoded.
 
@@ -95,7 +95,7 @@ impl Index {
 /// Difference in seconds below which two times are equal.
 const SAME: f64 = 1e-6;
 
-/// Returns the number of frames of a file, if its packets tell it without decoding.
+/// Returns the number of frames of a file; `None` if only decoding the whole file would show it.
 pub(super) fn count(file: &Path, patience: Duration) -> Option<usize> {
     if let Packets::Frames(times) = packets(file, patience) { Some(times.len()) } else { None }
 }
@@ -104,7 +104,7 @@ fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
     video::good(file, Use::Times, patience).map_while(|picture| picture.seconds())
 }
 
-/// Result of reading the packets of a file without decoding them.
+/// Result of reading the packets of a file, with only the first frames decoded.
 #[derive(Debug, PartialEq)]
 enum Packets {
     /// Each packet is one frame, shown at this time in seconds.
@@ -117,7 +117,7 @@ enum Packets {
 
 /// Codecs with one shown frame in each packet, decodable from each key frame on.
 const ONE_EACH: [&str; 9] = ["h264", "hevc", "av1", "vp9", "mpeg1video", "mpeg2video", "mjpeg", "prores", "rawvideo"];
-/// Codecs decodable from each key frame on, in which some packets show no frame and cannot be told from others.
+/// Codecs decodable from each key frame on, in which packets that show no frame cannot be recognised.
 const SOME_HIDDEN: [&str; 2] = ["vp8", "mpeg4"];
 
 /// Count of frames that are decoded to verify the times of the packets.

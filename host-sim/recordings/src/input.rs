@@ -16,7 +16,7 @@ pub struct Kind {
     pub most: u32,
 }
 
-/// Files of boxes: 64 MiB are enough for a million frames, even with most polygons.
+/// Files of boxes: 64 MiB are enough for a million lines of 67 bytes, such as polygons of four corners.
 pub const BOXES: Kind = Kind { expected: "a text file with a box a line", most: 64 };
 /// Pictures: 512 MiB are enough for 16384x16384 pixels, except in uncompressed color.
 pub const PICTURE: Kind = Kind { expected: "a PNG, JPEG, PGM, PPM or PAM picture", most: 512 };

@@ -92,7 +92,7 @@ impl Layout {
         }
     }
 
-    /// Returns the byte offset of a picture that follows at once with the same header; that of a preview differs.
+    /// Returns the byte offset of a picture that follows directly and has the same frame header, unlike a preview.
     fn next(&self, bytes: &[u8]) -> Option<usize> {
         let rest = &bytes[self.end.filter(|_| !self.has_views)?..];
         let is_next = rest.starts_with(MAGIC) && Self::of(rest).frame == self.frame;

@@ -93,7 +93,7 @@ impl Frame {
     }
 }
 
-/// Most pixels of a frame, 16384x16384. A larger frame is refused before memory is allocated for it.
+/// Largest number of pixels in a frame, 16384x16384. A larger frame is refused before memory is allocated for it.
 const MOST_PIXELS: u64 = 1 << 28;
 
 impl GrayFrame {
@@ -138,7 +138,7 @@ pub struct Sequence {
     pub length: Option<usize>,
     /// Number of the first frame: 1, or more after [`Sequence::part`].
     pub first: usize,
-    /// Box in the first frame on which trackers lock.
+    /// Box on which trackers lock in the first frame.
     pub init: Option<BoundingBox>,
     /// Ground truth, one entry per frame; `None` where the target is not visible.
     pub truth: Option<Vec<Option<BoundingBox>>>,
@@ -147,7 +147,7 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Creates a sequence of generated frames. Trackers start from the first box of `truth`.
+    /// Creates a sequence of generated frames. Trackers start from the first frame's box in `truth`.
     pub fn made(
         name: &str,
         frames: impl ExactSizeIterator<Item = GrayFrame> + Send + 'static,
@@ -183,7 +183,7 @@ impl Sequence {
 
 #[derive(Clone, Debug, Default)]
 pub struct OpenOptions {
-    /// Width and height of the frames of a raw dump. Any file but a picture, video or Y4M is then read as one.
+    /// Frame width and height of a raw dump. If given, any file but a picture, video or Y4M is read as a raw dump.
     pub size: Option<(u16, u16)>,
     /// Range of 16-bit values to stretch to 0..255; an error if the recording is not of 16-bit pictures.
     pub levels: Option<Levels>,
@@ -208,8 +208,8 @@ pub const RESULTS: &str = "trackers";
 pub const INNER: [&str; 2] = ["img", "color"];
 
 /// Opens the recording at `path`: a folder of pictures (also one level down, in `img/` or `color/`), a folder with one
-/// video, Y4M file or raw dump, or such a file itself. A name in [`BUILT_IN`] is a built-in recording (a folder of that
-/// name is `./synthetic`), and `-` is Y4M from standard input.
+/// video, Y4M file or raw dump, or such a file itself. A name in [`BUILT_IN`] is a built-in recording, even if a folder
+/// has that name (`./synthetic` is the folder), and `-` is Y4M from standard input.
 ///
 /// The folder also holds the start box (`init.txt`, else the first of the ground truth) and the ground truth (`gt.txt`
 /// in TLD form, else `groundtruth_rect.txt` in OTB form, else `groundtruth.txt` in VOT or GOT-10k form).
@@ -263,7 +263,7 @@ const STANDARD_INPUT: &str = "-";
 
 pub const BUILT_IN: [&str; 6] = [street::NAME, synthetic::NAME, periodic::NAME, border::NAME, noise::NAME, tiles::NAME];
 
-/// Names of the built-in recordings that smr-core is tested on. `noise` has no target, and only times trackers.
+/// Names of the built-in recordings that smr-core is tested on. `noise` has no target and serves only for timing.
 pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
 
 fn built_in(path: &Path) -> Option<Sequence> {
@@ -273,7 +273,7 @@ fn built_in(path: &Path) -> Option<Sequence> {
     exact.or_else(|| synthetic::seeded(path.to_str()?))
 }
 
-/// True if `path` looks like a recording that [`open`] reads, judged by names. A folder of recordings is not one.
+/// True if `path` looks like a recording that [`open`] reads, judged by file names. False for a folder of recordings.
 pub fn is_sequence(path: &Path) -> bool {
     if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
@@ -337,7 +337,7 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
         );
     }
     images::check_kind(&pictures[0])?;
-    // A skipped picture would shift the boxes of all later frames, so each must be a file.
+    // A skipped picture would shift the boxes of all later frames, so one that is no file (a broken link) is an error.
     for (number, picture) in (1..).zip(&pictures) {
         check_file(picture, &format!("{} (frame {number})", picture.display()))?;
     }

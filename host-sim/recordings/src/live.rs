@@ -99,7 +99,7 @@ impl Live {
     }
 }
 
-/// Builds the command of an ffmpeg with low delay: luma in full range, as in files, chroma at half the size.
+/// Builds the command of an ffmpeg with low delay: luma in full range, as from files, chroma at half width and height.
 fn command(address: &Path) -> Command {
     // Shortens the examination of the stream before the first frame, which by default takes ffmpeg five seconds.
     let options = ["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "2000000", "-f", "v4l2"];
@@ -153,7 +153,7 @@ impl Arrivals {
         self.changed.notify_all();
     }
 
-    /// Returns the number of frames that were replaced by newer ones before they were taken.
+    /// Returns the number of frames that arrived, were not taken, and are no longer available.
     pub fn dropped(&self) -> usize {
         let state = locked(&self.state);
         state.came - state.taken - usize::from(state.newest.is_some())

@@ -1,4 +1,4 @@
-//! Messages for people: errors in plain words, without control characters, and the names of choices.
+//! Messages for people: errors in plain words, without control characters, and the names of command-line choices.
 
 use clap::ValueEnum;
 use std::io::{self, ErrorKind};

@@ -8,7 +8,7 @@ use smr_scene::random::Random;
 
 pub const NAME: &str = "noise";
 
-/// Count of frames: a search is timed in 60 of them, and needs two frames before each.
+/// Count of frames: 60 searches are timed, each in the second update after a lock.
 const LENGTH: usize = 62;
 const WIDTH: u16 = 320;
 const HEIGHT: u16 = 272;

@@ -8,7 +8,7 @@ use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{TempDir, TempPath};
 
-/// A file being written under a temporary name. [`Output::finish`] renames it; dropping it keeps an existing file.
+/// A file being written under a temporary name. [`Output::finish`] renames it; a drop leaves the former file unchanged.
 pub struct Output {
     name: PathBuf,
     file: BufWriter<fs::File>,

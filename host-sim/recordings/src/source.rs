@@ -14,7 +14,7 @@ use std::time::Duration;
 /// The source from which a recording can be read again.
 #[derive(Clone, Debug, Default)]
 pub enum Source {
-    /// No source to read again: a pipe, or frames that have no color.
+    /// Cannot be read again in color: a pipe, or gray frames.
     #[default]
     Once,
     Pictures(Vec<images::Picture>),
@@ -38,7 +38,7 @@ impl Source {
         pictures.iter().filter_map(images::Picture::name).collect()
     }
 
-    /// Returns the number of frames of a video, if known without decoding.
+    /// Returns the number of frames of a video; `None` if only decoding the whole video would show it.
     pub fn length(&self, patience: Duration) -> Option<usize> {
         index::count(self.video()?, patience)
     }
@@ -109,7 +109,7 @@ fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
 }
 
 /// A recording that can be read from any frame on: pictures and Y4M by frame number, a video after a seek. A video is
-/// decoded from its start, as raw dumps are, if a sought frame misses its time in the index or ffmpeg reports an error.
+/// read from its start, like raw dumps, if a sought frame's time differs from the index or ffmpeg reports an error.
 pub struct Seekable {
     path: PathBuf,
     options: OpenOptions,
@@ -160,7 +160,7 @@ impl Seekable {
         })
     }
 
-    /// Returns the pictures of a video from `number` on: after a seek, as long as each has its time in the index and
+    /// Returns the pictures of a video from `number` on: after a seek, as long as their times agree with the index and
     /// ffmpeg reports no error; after that by decoding from the start.
     fn pictures_from(
         &self,

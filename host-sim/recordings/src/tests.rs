@@ -50,7 +50,7 @@ fn levels(frames: &[GrayFrame]) -> Vec<u8> {
     frames.iter().map(|frame| frame.pixels[0]).collect()
 }
 
-/// Asserts that a file of `bytes` has frames with these first pixels, then this error; `...` matches any text.
+/// Asserts that a file of `bytes` has frames whose first pixels are `expected`, then `error`, where `...` is any text.
 #[track_caller]
 fn reads(name: &str, size: Option<(u16, u16)>, bytes: &[u8], expected: &[u8], error: &str) {
     let folder = folder("");

@@ -105,7 +105,7 @@ pub(super) struct Pictures {
 /// ffmpeg options that count times from the start of the file, also after a seek.
 pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
 
-/// In seconds, because files with times in milliseconds round by up to 0.0005.
+/// Tolerance in seconds; files with times in milliseconds round by up to 0.0005.
 const SEEK_TOLERANCE: f64 = 0.0006;
 
 impl Pictures {

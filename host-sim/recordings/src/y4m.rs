@@ -7,7 +7,7 @@ use std::fs::{File, Metadata};
 use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-/// Most bytes of a header line, of the stream or of a frame.
+/// Largest number of bytes in a header line, of the stream or of a frame.
 const MAX_LINE_BYTES: u64 = 1024;
 
 pub(super) fn is_y4m(file: &Path) -> bool {

@@ -43,7 +43,7 @@ pub type Paint = fn(base: Triple, at: Triple, normal: Triple, leaves: &Texture) 
 pub struct Hit<'a> {
     pub far: f64,
     solid: &'a Solid,
-    /// Position in the solid's own axes, as is `normal`.
+    /// Position of the hit. Like `normal`, it is in the solid's own axes.
     at: Triple,
     normal: Triple,
 }

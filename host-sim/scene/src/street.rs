@@ -158,7 +158,7 @@ fn mean(color: impl Fn(usize) -> [u8; 3]) -> [u8; 4] {
 #[derive(Clone, Copy)]
 struct Ray {
     far: f64,
-    /// Color in sunlight, or in the shadow of another still object.
+    /// Color without a car's shadow: in sunlight, or in the shadow of another still object.
     lit: [u8; 3],
     shaded: [u8; 3],
 }
