@@ -1,4 +1,4 @@
-//! A program with one tracker, to measure its flash: the paper's, or by feature the robust one. It is never run.
+//! A program to measure the flash of one tracker: the paper's, or the robust one (feature `robust`). It is never run.
 //!
 //! `.ci/firmware` checks that it has no panic and no float. `black_box` hides inputs, so that no code is dropped.
 

@@ -18,7 +18,7 @@ fn noise(x: i32, y: i32, seed: u32) -> u8 {
     bits.to_be_bytes()[0]
 }
 
-/// Noise unique for each `seed`, with the target at each of `places`. Its top left pixel depends on `seed`.
+/// Noise unique for each `seed`, with the target at each of `places`. The target's top left pixel depends on `seed`.
 fn picture(seed: u32, places: &[(i32, i32)]) -> Vec<u8> {
     let side = i32::from(SIDE);
     let pixel = |x: i32, y: i32| {
@@ -105,7 +105,7 @@ fn returning_takes_more_until_a_lost_target_is_found_again() {
     assert!(!step(11, (22, 30), State::Tracking), "as if it had never been outside");
 }
 
-/// A peak outside the frame sets `edge` even if the gate refuses it.
+/// A peak partly outside the frame sets the tracker's flag `edge`, even if the gate refuses the peak.
 #[test]
 fn a_peak_outside_that_is_not_accepted_counts_until_the_target_is_found_again() {
     let config =
@@ -218,7 +218,7 @@ fn two_gray_levels_of_light_after_a_still_scene_do_not_move_the_box() {
     assert_ne!(paper[1], (TARGET, State::Tracking));
 }
 
-/// With `least_threshold` 0 hardly any pixel matches. The gate refuses the accidental peak.
+/// With `least_threshold` 0 hardly any pixel matches. `least_ratio` refuses the accidental peak.
 #[test]
 fn a_peak_of_a_few_pixels_is_not_accepted() {
     let config = with(Config::camera(), |config| config.least_threshold = 0);

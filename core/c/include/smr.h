@@ -383,7 +383,7 @@ enum smr_entry_kind
    */
   SMR_ENTRY_END = 0,
   /**
-   * A tracker begins, with the configuration in `is_robust` and `paper` or `robust`.
+   * A tracker begins. Its configuration is `robust` if `is_robust` is 1, else `paper`.
    */
   SMR_ENTRY_BEGIN = 1,
   /**
@@ -837,7 +837,7 @@ typedef struct smr_answer {
    */
   uint16_t runner_up_ratio;
   /**
-   * Alpha, the threshold of this frame, rounded up to gray levels (1 to 256): a pixel counted if it differed by
+   * Alpha, the threshold of this frame, rounded up to gray levels (1 to 256): a pixel matched if it differed by
    * less. 0 from the robust tracker, whose threshold varies over the target.
    */
   uint16_t alpha;
@@ -1096,8 +1096,8 @@ smr_status smr_config_robust(struct smr_config *config);
 smr_status smr_config_refined(struct smr_config *config);
 
 /**
- * Sets a setting by its name, such as "window" to { 16, 16 }, where the name comes from a file, a console or another
- * language. If you know the name, set the field of the configuration instead.
+ * Sets a setting by its name, such as "window" to { 16, 16 }, for names from a file, a console or another language. If
+ * the name is known when you compile, set the field of the configuration instead.
  *
  * @param config  Filled by one of the calls smr_config_...
  * @param name    The name of a field of #smr_paper_config or #smr_robust_config, whichever the configuration is for.
@@ -1125,7 +1125,7 @@ smr_status smr_setting_at(const struct smr_config *config,
                           struct smr_setting *setting);
 
 /**
- * The bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE as the library was built.
+ * Bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE, as the library was built.
  *
  * @param config  Filled by one of the calls smr_config_...
  * @return        Bytes; 0 if `config` is NULL or not filled. Can differ from the macro: see #SMR_PIXELS.
@@ -1133,7 +1133,7 @@ smr_status smr_setting_at(const struct smr_config *config,
 size_t smr_target_size(const struct smr_config *config);
 
 /**
- * The bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE as it was built.
+ * Bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE, as the library was built.
  *
  * @param config  Filled by one of the calls smr_config_...
  * @return        As #smr_target_size.
@@ -1201,8 +1201,8 @@ smr_status smr_lock(struct smr_tracker *tracker,
 
 /**
  * Does one step of a lock, of bounded work, for programs with a deadline. Begins a lock, or continues it if `bbox` and
- * the frame's size are unchanged. Call it while it returns #SMR_UNDER_WAY; there is no target until then. A lock takes
- * at most 11.2 million units of work (see #smr_update_step). The paper's tracker locks in one step.
+ * the frame's size are unchanged. Call it while it returns #SMR_UNDER_WAY; the tracker has no target before the last
+ * step. A lock takes at most 11.2 million units of work (see #smr_update_step). The paper's tracker locks in one step.
  *
  * @param tracker  Made by #smr_init.
  * @param frame    As for #smr_lock. Its pixels are the same in every step.
@@ -1235,8 +1235,8 @@ smr_status smr_update(struct smr_tracker *tracker,
 
 /**
  * Does one step of an update, of bounded work, for programs with a deadline. Begins an update, or continues the one
- * under way. Call it while it returns #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the steps. Other
- * calls that may change the tracker, and other trackers that use the workspace, cancel it.
+ * under way. Call it while it returns #SMR_UNDER_WAY. The answer equals that of #smr_update, however small the steps.
+ * The update is cancelled by other calls that may change the tracker, and by other trackers that use its workspace.
  *
  * The unit of work depends on the tracker:
  * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
@@ -1267,9 +1267,9 @@ smr_status smr_windows(const struct smr_tracker *tracker,
                        struct smr_rect windows[2]);
 
 /**
- * Reports a turn of the camera since the last frame: what was at (x, y) is expected at (x + right, y + down). The
- * search window moves along; the box stays within reach of the frame. Cancels an update under way. The paper's tracker
- * rounds to whole pixels. Before the first lock the call does nothing.
+ * Reports a turn of the camera since the last frame: what was at (x, y) is expected at (x + right, y + down). Moves
+ * the box and the search window, but keeps the box in or near the frame. Cancels an update under way. The paper's
+ * tracker rounds to whole pixels. Before the first lock the call does nothing.
  *
  * @param tracker  Made by #smr_init.
  * @param right    Motion to the right in units of 1/256 pixel.
@@ -1292,7 +1292,7 @@ smr_status smr_quality(const struct smr_tracker *tracker,
                        uint16_t *quality);
 
 /**
- * The box and the state of the last answer; also after #smr_lock and #smr_restore.
+ * The current box and state: those of the last answer, or as #smr_lock or #smr_restore has set them.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param bbox     Is set to the box; unchanged after an error.
@@ -1304,7 +1304,7 @@ smr_status smr_last(const struct smr_tracker *tracker,
                     smr_state *state);
 
 /**
- * Copies the template: the paper's current one, or the robust tracker's early template, which verifies the target.
+ * Copies the paper's tracker's current template, or the robust tracker's early template, which verifies the target.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param pixels   Memory for the pixels, row by row without gaps, outside the tracker's own memory.
@@ -1319,7 +1319,7 @@ smr_status smr_template(const struct smr_tracker *tracker,
                         struct smr_image *image);
 
 /**
- * The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE as the library was built.
+ * Largest size of a saved target in bytes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE, as the library was built.
  *
  * @param tracker  Made by #smr_init.
  * @param size     Is set to the number of bytes; unchanged after an error.
@@ -1358,7 +1358,7 @@ smr_status smr_restore(struct smr_tracker *tracker,
                        size_t size);
 
 /**
- * Names the first setting that differs, for which #smr_restore returns #SMR_ERROR_OTHER_CONFIG.
+ * Names the tracker's first setting that differs from the saved one, if #smr_restore returns #SMR_ERROR_OTHER_CONFIG.
  *
  * @param tracker  Made by #smr_init.
  * @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
@@ -1415,7 +1415,7 @@ smr_status smr_readout_line(struct smr_readout *readout,
                             size_t size);
 
 /**
- * Converts all lines of a frame in memory. Not for interrupts: it takes as long as all its lines.
+ * Converts all lines of a frame in memory. Not for interrupts, because it returns only after the last line.
  *
  * @param readout  Filled by #smr_readout_begin. After an error the lines before its `line` are converted.
  * @param bytes    The bytes of the frame.

@@ -40,7 +40,7 @@ pub struct smr_answer {
     pub ratio: u16,
     /// The ratio of the runner-up, the best score away from the peak; 0 if there is none.
     pub runner_up_ratio: u16,
-    /// Alpha, the threshold of this frame, rounded up to gray levels (1 to 256): a pixel counted if it differed by
+    /// Alpha, the threshold of this frame, rounded up to gray levels (1 to 256): a pixel matched if it differed by
     /// less. 0 from the robust tracker, whose threshold varies over the target.
     pub alpha: u16,
     /// 1 if the tracker searched for the runner-up. 0 if no decision needed it (see `runner_up_always` in

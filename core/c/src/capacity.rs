@@ -5,7 +5,7 @@ use smr_core::{Paper, Quality, Robust, Target};
 /// The largest area of the paper's tracker's box, in pixels: `SMR_PIXELS` in the build's environment, or 4096.
 pub const PIXELS: usize = number(option_env!("SMR_PIXELS"), 4096);
 
-/// The most offsets on an axis of the paper's tracker's window: `SMR_SPAN` in the build's environment, or 161.
+/// Largest number of offsets on an axis of the paper's tracker's window: `SMR_SPAN` in the build's environment, or 161.
 pub const SPAN: usize = number(option_env!("SMR_SPAN"), 161);
 
 pub(crate) type PaperTarget = Paper<PIXELS, SPAN>;
@@ -21,11 +21,11 @@ pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usi
 pub(crate) const SIGNED_DIFFERENCES: usize = 512;
 
 /// Bytes of the paper's tracker's workspace (`SMR_PAPER_WORKSPACE_SIZE`): one per pixel, five 32-bit words per offset,
-/// 22 words and 672 bytes of other fields, and the larger table.
+/// 22 pointer-sized words and 672 bytes for other fields, and `SIGNED_DIFFERENCES`.
 pub const PAPER_WORKSPACE_SIZE: usize =
     PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 672 + SIGNED_DIFFERENCES;
 
-/// The most bytes of a saved target of the paper's tracker: `SMR_PAPER_SAVED_SIZE` in the header.
+/// Largest size of a saved target of the paper's tracker, in bytes: `SMR_PAPER_SAVED_SIZE` in the header.
 pub const PAPER_SAVED_SIZE: usize = PIXELS + 94;
 
 /// Bytes that the refiner adds to a robust tracker. The header always includes them, so that it fits both builds.
@@ -39,10 +39,10 @@ pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 8]>();
 /// Bytes of the robust tracker's workspace: `SMR_ROBUST_WORKSPACE_SIZE` in the header.
 pub const ROBUST_WORKSPACE_SIZE: usize = 39856 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();
 
-/// The most bytes of a saved target of the robust tracker: `SMR_ROBUST_SAVED_SIZE` in the header.
+/// Largest size of a saved target of the robust tracker, in bytes: `SMR_ROBUST_SAVED_SIZE` in the header.
 pub const ROBUST_SAVED_SIZE: usize = 11306 + SAVED_REFINER;
 
-/// Targets of a lower quality are poor: `SMR_POOR_QUALITY` in the header.
+/// Targets whose quality is below this value are poor: `SMR_POOR_QUALITY` in the header.
 const POOR_QUALITY: u16 = 1023;
 
 const _: () = assert!(PAPER_SAVED_SIZE == PaperTarget::SAVED_SIZE);
@@ -50,7 +50,7 @@ const _: () =
     assert!(ROBUST_SAVED_SIZE == Robust::SAVED_SIZE || ROBUST_SAVED_SIZE == Robust::SAVED_SIZE + SAVED_REFINER);
 const _: () = assert!(POOR_QUALITY == Quality::POOR_BELOW);
 
-/// Parses `text` at compile time; returns `default` without one. Anything but a number above 0 is a compile error.
+/// Parses `text` at compile time; `None` gives `default`. Any text but a number above 0 is a compile error.
 #[allow(clippy::panic)] // evaluated by the compiler only
 const fn number(text: Option<&str>, default: usize) -> usize {
     let Some(text) = text else { return default };

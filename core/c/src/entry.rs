@@ -15,7 +15,7 @@ use smr_core::{Frame, Rect, Robust, paper, robust};
 pub enum smr_entry_kind {
     /// The end of the record.
     SMR_ENTRY_END = 0,
-    /// A tracker begins, with the configuration in `is_robust` and `paper` or `robust`.
+    /// A tracker begins. Its configuration is `robust` if `is_robust` is 1, else `paper`.
     SMR_ENTRY_BEGIN = 1,
     /// A lock on `bbox` in `frame`.
     SMR_ENTRY_LOCK = 2,
@@ -148,7 +148,7 @@ fn fill(of: &mut smr_entry, entry: &Entry<'_>) -> Result<(), smr_status> {
 }
 
 impl smr_frame {
-    /// The frame whose parts are `windows`, which must be in memory.
+    /// Converts a frame to C, with `windows` as its parts. The pixels of the windows must be in memory.
     fn of(frame: &Frame<'_>, windows: [Option<Rect>; 2]) -> Self {
         let part = |window: Option<Rect>| {
             let image = window.and_then(|window| frame.patch(window));

@@ -16,7 +16,7 @@ use core::ffi::c_void;
 use core::ptr;
 use smr_core::{Rect, Target};
 
-/// The bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE as the library was built.
+/// Bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE, as the library was built.
 ///
 /// @param config  Filled by one of the calls smr_config_...
 /// @return        Bytes; 0 if `config` is NULL or not filled. Can differ from the macro: see #SMR_PIXELS.
@@ -26,7 +26,7 @@ pub unsafe extern "C" fn smr_target_size(config: *const smr_config) -> usize {
     unsafe { deref(config) }.map_or(0, |(_, method)| method.target_size)
 }
 
-/// The bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE as it was built.
+/// Bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE, as the library was built.
 ///
 /// @param config  Filled by one of the calls smr_config_...
 /// @return        As #smr_target_size.
@@ -162,8 +162,8 @@ pub unsafe extern "C" fn smr_lock(
 }
 
 /// Does one step of a lock, of bounded work, for programs with a deadline. Begins a lock, or continues it if `bbox` and
-/// the frame's size are unchanged. Call it while it returns #SMR_UNDER_WAY; there is no target until then. A lock takes
-/// at most 11.2 million units of work (see #smr_update_step). The paper's tracker locks in one step.
+/// the frame's size are unchanged. Call it while it returns #SMR_UNDER_WAY; the tracker has no target before the last
+/// step. A lock takes at most 11.2 million units of work (see #smr_update_step). The paper's tracker locks in one step.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param frame    As for #smr_lock. Its pixels are the same in every step.
@@ -212,8 +212,8 @@ pub unsafe extern "C" fn smr_update(
 }
 
 /// Does one step of an update, of bounded work, for programs with a deadline. Begins an update, or continues the one
-/// under way. Call it while it returns #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the steps. Other
-/// calls that may change the tracker, and other trackers that use the workspace, cancel it.
+/// under way. Call it while it returns #SMR_UNDER_WAY. The answer equals that of #smr_update, however small the steps.
+/// The update is cancelled by other calls that may change the tracker, and by other trackers that use its workspace.
 ///
 /// The unit of work depends on the tracker:
 /// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
@@ -257,9 +257,9 @@ pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut 
     })
 }
 
-/// Reports a turn of the camera since the last frame: what was at (x, y) is expected at (x + right, y + down). The
-/// search window moves along; the box stays within reach of the frame. Cancels an update under way. The paper's tracker
-/// rounds to whole pixels. Before the first lock the call does nothing.
+/// Reports a turn of the camera since the last frame: what was at (x, y) is expected at (x + right, y + down). Moves
+/// the box and the search window, but keeps the box in or near the frame. Cancels an update under way. The paper's
+/// tracker rounds to whole pixels. Before the first lock the call does nothing.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param right    Motion to the right in units of 1/256 pixel.

@@ -1,4 +1,4 @@
-//! Rectangles, and frames of which parts are in memory.
+//! Rectangles, and frames that may be only partly in memory.
 
 use crate::pointer;
 use crate::status::smr_status;

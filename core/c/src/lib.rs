@@ -32,7 +32,7 @@
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 // This crate is the boundary to C: it dereferences C's pointers and exports symbols.
 #![allow(unsafe_code)]
-// Items have their names in C.
+// Types have C names, such as `smr_rect`.
 #![allow(non_camel_case_types)]
 // The header states the requirements on pointers, under `@param` and at its top (cbindgen.toml).
 #![allow(clippy::missing_safety_doc)]
@@ -60,7 +60,7 @@ mod readout;
 
 mod record;
 
-// JavaScript reads no entries, and a WebAssembly module would contain the call even if nothing uses it.
+// JavaScript reads no flight records, and a WebAssembly module would contain `smr_next_entry` even if unused.
 #[cfg(not(target_family = "wasm"))]
 mod entry;
 

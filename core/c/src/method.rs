@@ -29,7 +29,7 @@ pub(crate) trait Method: Target + 'static {
     const EMPTY: Self;
     const EMPTY_WORKSPACE: Self::Workspace;
 
-    /// The part of `config` that is for the tracker.
+    /// The settings of this tracker in `config`.
     fn configuration(config: &smr_config) -> Self::Config;
 
     fn known(&mut self) -> Known<'_>;
@@ -104,15 +104,15 @@ struct OwnTracker<T: Method> {
 /// The contents of a workspace.
 #[repr(C)] // the mark comes first: a tracker of the other method that takes the memory overwrites it
 struct Scratch<T: Method> {
-    /// [`Scratch::mark_of`] the workspace's address. Any other value shows memory that is no workspace of this tracker.
+    /// Equals [`Scratch::mark_of`] of the workspace's address, else the memory is no workspace of this type of tracker.
     mark: usize,
-    /// The address of the [`OwnTracker`] target that used the workspace last. Only its call in steps may continue.
+    /// The address of the [`OwnTracker`] that used the workspace last, which alone may continue a call in steps.
     owner: usize,
     workspace: T::Workspace,
 }
 
 impl<T: Method> Scratch<T> {
-    /// The mark of a workspace at `address`. It differs between the two trackers.
+    /// The mark of a workspace at `address`. It differs between the paper's and the robust tracker.
     fn mark_of(address: *const Self) -> usize {
         address.addr() ^ 0x534D_5257 ^ T::METHOD.target_size // "SMRW"
     }

@@ -44,7 +44,7 @@ impl<T> Out<T> {
         unsafe { self.0.write(value) }
     }
 
-    /// The written value.
+    /// Reads back the value that `write` has stored.
     pub(crate) fn read(&self) -> T
     where
         T: Copy,
@@ -54,7 +54,7 @@ impl<T> Out<T> {
     }
 }
 
-/// Checks that `size` bytes can be an object, and lie outside `taken`, the memory of a tracker.
+/// Checks that `bytes` is not NULL, `size` is at most `isize::MAX`, and no byte is in `taken`, a tracker's memory.
 ///
 /// # Errors
 /// The errors of [`check`], `SMR_ERROR_MEMORY_TOO_LARGE`, `SMR_ERROR_OVERLAPS_TRACKER`.

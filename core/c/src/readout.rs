@@ -79,7 +79,7 @@ impl smr_readout {
         // SAFETY: neither NULL nor misaligned; the rest as the caller ensures.
         unsafe {
             let next = (&raw const (*from).next).read_volatile();
-            // The pixels of the lines before `next` must not be read before `next` is.
+            // Pixels must be read after `next`, because only lines before `next` are complete.
             compiler_fence(Ordering::Acquire);
             Ok(Self { next, line: 0, ..*from })
         }
@@ -191,7 +191,7 @@ pub unsafe extern "C" fn smr_readout_line(
     status_of(unsafe { convert(readout, bytes, size, |readout, bytes, pixels| readout.push_line(y, bytes, pixels)) })
 }
 
-/// Converts all lines of a frame in memory. Not for interrupts: it takes as long as all its lines.
+/// Converts all lines of a frame in memory. Not for interrupts, because it returns only after the last line.
 ///
 /// @param readout  Filled by #smr_readout_begin. After an error the lines before its `line` are converted.
 /// @param bytes    The bytes of the frame.

@@ -109,8 +109,8 @@ pub struct smr_setting {
     pub values: [u16; 4],
 }
 
-/// Sets a setting by its name, such as "window" to { 16, 16 }, where the name comes from a file, a console or another
-/// language. If you know the name, set the field of the configuration instead.
+/// Sets a setting by its name, such as "window" to { 16, 16 }, for names from a file, a console or another language. If
+/// the name is known when you compile, set the field of the configuration instead.
 ///
 /// @param config  Filled by one of the calls smr_config_...
 /// @param name    The name of a field of #smr_paper_config or #smr_robust_config, whichever the configuration is for.

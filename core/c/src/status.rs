@@ -18,7 +18,7 @@ macro_rules! statuses {
         pub const STATUSES: &[(smr_status, &str, &str)] =
             &[$((smr_status::$name, concat!(stringify!($name), "\0"), concat!($($text, "\n"),+)),)+];
 
-        /// The names by number, apart from the texts, so that a program does not link the texts.
+        /// The names by number, in a table without the texts, so that a program does not link the texts.
         const NAMES: &[&str] = &[$(concat!(stringify!($name), "\0")),+];
 
         pub(crate) use smr_status::*;
@@ -119,7 +119,7 @@ statuses! {
 /// @return        A static string, never NULL; "SMR_ERROR_UNKNOWN" for a number that is no status.
 #[unsafe(no_mangle)]
 pub extern "C" fn smr_status_name(status: i32) -> *const c_char {
-    // An integer, because C can pass any number, and a Rust enum must hold one of its variants.
+    // `status` is an integer, because C can pass any number, and a Rust enum must hold one of its variants.
     let known = usize::try_from(status).ok().and_then(|number| NAMES.get(number));
     known.map_or(c"SMR_ERROR_UNKNOWN".as_ptr(), |name| name.as_ptr().cast())
 }

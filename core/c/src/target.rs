@@ -28,7 +28,7 @@ pub unsafe extern "C" fn smr_quality(tracker: *const smr_tracker, quality: *mut 
     })
 }
 
-/// The box and the state of the last answer; also after #smr_lock and #smr_restore.
+/// The current box and state: those of the last answer, or as #smr_lock or #smr_restore has set them.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param bbox     Is set to the box; unchanged after an error.
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn smr_last(
     })
 }
 
-/// Copies the template: the paper's current one, or the robust tracker's early template, which verifies the target.
+/// Copies the paper's tracker's current template, or the robust tracker's early template, which verifies the target.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param pixels   Memory for the pixels, row by row without gaps, outside the tracker's own memory.
@@ -111,7 +111,7 @@ impl Known<'_> {
     }
 }
 
-/// The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE as the library was built.
+/// Largest size of a saved target in bytes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE, as the library was built.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param size     Is set to the number of bytes; unchanged after an error.
@@ -180,7 +180,7 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
     })
 }
 
-/// Names the first setting that differs, for which #smr_restore returns #SMR_ERROR_OTHER_CONFIG.
+/// Names the tracker's first setting that differs from the saved one, if #smr_restore returns #SMR_ERROR_OTHER_CONFIG.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.

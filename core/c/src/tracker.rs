@@ -13,11 +13,11 @@ use smr_core::{Frame, Rect, Robust};
 ///
 /// Calls on the same tracker, or on trackers that share a workspace, must not overlap in time. Other calls may.
 pub struct smr_tracker {
-    /// [`mark_of`] the handle's address. Any other value shows memory that is not a tracker.
+    /// Equals [`mark_of`] of the handle's address, else the memory is not a tracker.
     mark: usize,
     /// The receiver of calls: `own`, or a recorder, whose code is linked only if the program calls `smr_record`.
     receiver: *mut dyn Tracked,
-    /// The tracker in the same storage.
+    /// The tracker itself, in the same storage as this handle.
     pub(crate) own: *mut dyn Tracked,
 }
 
@@ -36,8 +36,8 @@ fn mark_of(address: *const smr_tracker) -> usize {
     address.addr() ^ 0x534D_5231 // "SMR1"
 }
 
-/// A target by its type. Calls that few programs make match on it instead of being in the trait [`Tracked`], because a
-/// program links all of a trait's methods, used or not.
+/// The target with its concrete type. Rarely used calls match on it instead of being methods of [`Tracked`], because a
+/// program links all methods of that trait, used or not.
 pub(crate) enum Known<'a> {
     Paper(&'a mut PaperTarget),
     Robust(&'a mut Robust),
@@ -68,7 +68,7 @@ pub(crate) enum Event<'a> {
 
 /// The calls on a tracker of either type.
 pub(crate) trait Tracked {
-    /// The target by its type, for calls that are not in this trait.
+    /// The target with its concrete type, for calls that are not methods of this trait.
     fn known(&mut self) -> Known<'_>;
     /// The addresses of the storage and of the workspace.
     fn memory(&self) -> [Range<usize>; 2];

@@ -34,7 +34,7 @@ pub unsafe extern "C" fn smr_response_map(
     })
 }
 
-/// Memory for a flight record. The reader resets `used` to 0.
+/// Memory for a flight record. JavaScript, which reads the bytes, resets `used` to 0.
 #[repr(C)]
 pub struct Sink {
     recorder: smr_recorder,
@@ -43,7 +43,7 @@ pub struct Sink {
     used: usize,
 }
 
-/// [`smr_record`] into memory, because JavaScript cannot pass a function of C for `write`.
+/// Calls [`smr_record`] to record into memory, because JavaScript cannot pass a function of C for `write`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_record_to_memory(tracker: *mut smr_tracker, sink: *mut Sink) -> smr_status {
     // SAFETY: as every call demands of its caller.

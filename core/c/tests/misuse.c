@@ -528,7 +528,7 @@ static void capacities(void)
     EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_OK);
 }
 
-/* Both windows are the least that the tracker reads: one column or row less is refused. */
+/* The tracker needs every pixel of both windows: it refuses a frame that lacks one column or row. */
 static void windows(void)
 {
     smr_tracker *tracker = good_tracker();

@@ -34,7 +34,7 @@ mod firmware {
         let Some(peripherals) = Peripherals::take() else { exit(1) };
         let mut timer = Timer::new(peripherals.SYST);
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-        // The 24-bit timer counts down. Inverted, in the upper bits, its differences are right even when it wraps.
+        // The 24-bit timer counts down, so it is inverted. In the upper bits differences are right even after a wrap.
         let done = table::rows(
             || !smr_ticks() << 8,
             |row| {

@@ -112,7 +112,7 @@ mod firmware {
         Image::new(pixels, WIDTH, HEIGHT).map(Frame::whole).map_err(|_| "a frame has WIDTH * HEIGHT pixels")
     }
 
-    /// Draws faint tiles, and a target of strong ones that moves 2 pixels per frame and is hidden for eight frames.
+    /// Draws low-contrast tiles, and a high-contrast target that moves 2 pixels per frame and hides for eight frames.
     fn draw(pixels: &mut [u8; PIXELS], number: u16) {
         let hash = |x: u16, y: u16| (u32::from(x) * 73 + u32::from(y) * 179 + 7).wrapping_mul(2_654_435_761) >> 24;
         let (left, top) = (20 + 2 * (number % 24), 16 + number % 24);

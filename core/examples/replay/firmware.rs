@@ -46,7 +46,7 @@ impl Replayed for Smr {
 }
 
 impl Replayed for Robust {
-    /// Two windows of a target of up to 48x48 pixels.
+    /// Holds an entry with the two windows of a target of up to 48x48 pixels.
     type Buffer = [u8; 48 * 1024];
     const BUFFER: Self::Buffer = [0; 48 * 1024];
 
@@ -161,7 +161,7 @@ impl Run {
         Ok(())
     }
 
-    /// Replays the next entry, and with a window also its answer. Returns false at the end of the record.
+    /// Replays the next entry, and after an update's window also its answer. Returns false at the end of the record.
     fn entry<T: Replayed>(&mut self, tracker: &mut Tracker<T>, buffer: &mut [u8]) -> Result<bool, End> {
         let Some(entry) = self.read(buffer)? else { return Ok(false) };
         let found = first(entry).map_err(|_| End::Damaged)?;

@@ -39,7 +39,7 @@ pub extern "C" fn smr_ticks() -> u32 {
     SYST::get_current()
 }
 
-/// Executes this many instructions, to calibrate the timer. (For `cortex_m::asm::delay` they depend on its version.)
+/// Executes this many instructions, to calibrate the timer. (The count of `cortex_m::asm::delay` varies by version.)
 pub fn spin(instructions: u32) {
     // SAFETY: two instructions per round count down a register.
     unsafe {

@@ -58,7 +58,7 @@ pub fn paint_stack() {
     }
 }
 
-/// The bytes of stack used since [`paint_stack`], with those in use before it, and the size of the stack.
+/// The bytes of stack used, including those in use before [`paint_stack`], and the size of the stack.
 pub fn stack() -> (u32, u32) {
     let (lowest, end) = (addr_of!(__estack), addr_of!(_stack_start));
     let mut at = lowest;

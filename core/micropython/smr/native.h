@@ -1,4 +1,4 @@
-// Functions of MicroPython that smr.c needs but py/dynruntime.h lacks, which is the only interface of a native module (smr.mpy).
+// Functions that smr.c needs but py/dynruntime.h lacks. That header is a native module's only interface to MicroPython.
 
 #include <stdarg.h>
 #include "py/dynruntime.h"

@@ -1,5 +1,5 @@
-// The module `smr` of MicroPython: the trackers of libsmr.a as two classes, Paper and Robust. It only converts; README.md documents it for
-// users, smr.h documents the calls.
+// The module `smr` of MicroPython: the trackers of libsmr.a as two classes, Paper and Robust. This file only converts
+// arguments and results; README.md documents the module for users, smr.h the calls.
 //
 // Memory is on MicroPython's heap. A tracker lives in its Python object, which the garbage collector never moves. All trackers of a kind share
 // a workspace, and all share the gray pixels converted from a color camera; a root pointer keeps both from the garbage collector.
@@ -20,7 +20,7 @@
 #error "the module smr needs MICROPY_MODULE_BUILTIN_INIT: after a soft reset it must forget its memory"
 #endif
 
-// The largest integer that is not a heap object on any board.
+// Largest number that every board stores as a small int, not as a heap object.
 #define LARGEST 0x3fffffff
 
 typedef struct {
@@ -174,7 +174,7 @@ static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
     const bool is_gray = picture->format == SMR_GRAY8;
     const size_t size = area(&windows[0]) + area(&windows[1]);
     uint8_t *gray = is_gray ? NULL : pixels(size);
-    // Gets the buffer after the allocation, because a finaliser could change it.
+    // Gets the buffer after the allocation, which may collect garbage and so run a finaliser that changes the buffer.
     const mp_buffer_info_t bytes = bytes_of(picture->buffer, MP_QSTR_buffer);
     if (is_gray) {
         return (smr_frame) { picture->width, picture->height, { { bytes.buf, bytes.len, picture->stride, picture->width, picture->height, 0, 0 } } };
@@ -229,7 +229,7 @@ static void set_preset(smr_config *config, bool is_paper, mp_obj_t value) {
     check(status);
 }
 
-// The configuration of the keyword arguments, which applies the preset before the options. `preset` may be MP_OBJ_NULL.
+// Applies the preset, then the options in `keywords`. `preset` is the positional argument, or MP_OBJ_NULL.
 static smr_config config_of(const mp_obj_type_t *type, mp_obj_t preset, size_t count, const mp_obj_t *keywords) {
     const bool is_paper = type == PAPER;
     smr_config config;
@@ -379,7 +379,7 @@ static mp_obj_t save(mp_obj_t self_in) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_1(save_obj, save);
 
-// restore(saved, width=0, height=0): the size of later frames in pixels; 0 keeps the previous size
+// restore(saved, width=0, height=0), with width and height of later frames in pixels; 0 keeps the previous value
 static mp_obj_t restore(size_t n_args, const mp_obj_t *args) {
     tracker_t *self = MP_OBJ_TO_PTR(args[0]);
     const uint16_t width = n_args > 2 ? number(args[2], 0, UINT16_MAX, "width") : 0;

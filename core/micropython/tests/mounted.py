@@ -1,4 +1,4 @@
-# Mounts a file system with one file, smr.mpy, on a board that has none. .ci/micropython writes the line before: MODULE, the file's bytes.
+# On a board without a file system, mounts one that contains only smr.mpy. .ci/micropython prepends MODULE, its bytes.
 import io
 import os
 import sys

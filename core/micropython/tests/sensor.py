@@ -13,7 +13,7 @@ class Image(bytearray):
         return 240
 
     def find_template(self, template, threshold, step, search):
-        # Finds nothing in the first frame, which therefore does not count.
+        # The first call finds no template. Its frame is not counted in `left`, the frames until the script ends.
         global left
         left += not found
         found.append(template)

@@ -1,5 +1,5 @@
-# Follows the target of a recording with each tracker, and prints a line for each frame. .ci/micropython writes the definitions before it: COUNT,
-# WIDTH, HEIGHT, BOX and frame(number). Every 50 frames a new tracker continues with the saved target.
+# Follows the target of a recording with each tracker, and prints a line for each frame. Every 50 frames a new tracker
+# continues with the saved target. .ci/micropython prepends COUNT, WIDTH, HEIGHT, BOX and frame(number).
 import gc
 import smr
 

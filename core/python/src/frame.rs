@@ -1,4 +1,4 @@
-//! Reads a numpy array as a frame: gray rows in place; of other layouts it first converts the pixels to be read.
+//! Reads a numpy array as a frame: contiguous gray rows in place, other layouts after converting the needed pixels.
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -79,7 +79,7 @@ impl<'a> Pixels<'a> {
             let image = Image::with_stride(self.bytes, self.width, self.height, stride);
             return Ok(Frame::whole(image.map_err(refused)?));
         }
-        // The core refuses an empty or outside window before it reads a pixel, so one pixel suffices then.
+        // An empty or outside window needs only one pixel: the core refuses such a window before it reads pixels.
         let inside = |window: &Rect| self.bounds().contains(*window) && !window.is_empty();
         let [first, second] = windows.map(|window| window.filter(inside));
         let first = first.unwrap_or(Rect::new(0, 0, 1, 1));

@@ -58,7 +58,7 @@ pub fn document<C: Settings>(class: &Bound<'_, PyAny>, first: &str) -> PyResult<
     class.setattr("__signature__", py.import("inspect")?.call_method1("signature", (py.eval(&alike, None, None)?,))?)
 }
 
-/// Returns `built`, or an exception with the reason why the core refuses the configuration and with the options.
+/// Returns `built`, or an exception with the options `given` and the reason why the core refuses the configuration.
 pub fn or_value_error<T>(built: Result<T, ConfigError>, given: Option<&Bound<'_, PyDict>>) -> PyResult<T> {
     let given = || given.map_or_else(|| "{}".to_owned(), ToString::to_string);
     built.map_err(|error| PyValueError::new_err(format!("{error}: {}", given())))

@@ -1,4 +1,4 @@
-//! The class `Recording`, which reads every source that host-sim reads, and the figures of host-sim.
+//! The class `Recording`, which reads every source that host-sim reads, and the computation of host-sim's figures.
 
 use crate::answer::to_python;
 use crate::frame::refused;
@@ -29,7 +29,7 @@ fn four(of: BoundingBox) -> Four {
     (of.x, of.y, of.width, of.height)
 }
 
-/// A value with threads or a child process, which a forked process has not: there it is neither used nor dropped.
+/// A value with threads or a child process. A fork does not copy them, so a forked process neither uses nor drops it.
 struct ProcessLocal<T>(u32, ManuallyDrop<T>);
 
 impl<T> ProcessLocal<T> {

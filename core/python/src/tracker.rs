@@ -38,7 +38,7 @@ pub struct Paper;
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
 
-/// Converts a box of four numbers to one of the core, in whole pixels.
+/// Converts a box of four numbers to a `Rect` in whole pixels.
 fn rect(value: &Bound<'_, PyAny>) -> PyResult<Rect> {
     bounding_box(value)?.pixels().map_err(|what| PyValueError::new_err(format!("the box {what}")))
 }
@@ -114,7 +114,7 @@ impl Tracker {
         answer::answer(py, &self.next(frame)?)
     }
 
-    /// The `Answer` of the last `update` or `follow`; None before the first one after `init` or `restore`.
+    /// The `Answer` of the last `update` or `follow`; None directly after `init` or `restore`.
     #[getter]
     fn answer<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let last = *self.answer.lock().unwrap_or_else(PoisonError::into_inner);
@@ -215,7 +215,7 @@ impl Robust {
     }
 }
 
-/// Updates all trackers of a `Group` on at most `threads` threads; none of them if one cannot follow or is in use.
+/// Updates all trackers of a `Group` on at most `threads` threads, or no tracker if any cannot follow or is in use.
 #[pyfunction]
 pub fn follow<'py>(
     trackers: Vec<Bound<'py, Tracker>>,

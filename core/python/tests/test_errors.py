@@ -220,7 +220,7 @@ def test_from_several_threads_all_members_of_a_group_follow_or_none(synthetic):
             thread.join()
     assert refused and all("in use by another thread" in words for words in refused)
     assert [len({member.save() for member in members[kind::2]}) for kind in (0, 1)] == [1, 1]
-    # Also if another thread follows with one of the trackers meanwhile.
+    # The group also follows as a whole or not at all while another thread follows with one of its trackers.
     single = threading.Thread(target=lambda: [members[1].follow(frame) for frame in frames[25:75]])
     single.start()
     while single.is_alive():
@@ -304,5 +304,5 @@ def test_memory_does_not_grow(make):
     follow(1000)
     before = resident()
     follow(25_000)
-    # More than 100,000 frames with both trackers: a leak of 32 bytes per frame would be 1.6 MB here.
+    # After 50,000 frames a leak of 32 bytes per frame would be 1.6 MB.
     assert resident() - before < 500_000

@@ -248,7 +248,7 @@ def test_what_is_asked_of_all_is_asked_of_the_camera(world):
         assert one.ask(TRACK, *parts(RECORDING.start), to=to) == ACCEPTED
         assert one.ask(REQUEST, 259, to=to) == ACCEPTED and one.after[0].get_type() == "CAMERA_INFORMATION"
         assert one.ask(TRACK, 0.2, 0.1, 0.1, 0.2, to=to) == DENIED
-        # To a command for all components that it does not know, the camera is silent: another one may know it.
+        # The camera does not answer an unknown command for all components, because another component may know it.
         assert one.ask(mavlink.MAV_CMD_IMAGE_START_CAPTURE, to=to) is None
         assert one.ask(STOP, to=to) == ACCEPTED
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import boxes
 
-# The least side of a target in pixels of the recording: smaller ones do not show their size.
+# Minimum side of a target in pixels of the recording: a smaller target does not show its size.
 SMALLEST_SIDE = 3
 
 

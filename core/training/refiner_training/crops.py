@@ -11,7 +11,7 @@ SIDE = 32
 CONTEXT = 1.75
 # The value of mean gray in a normalised crop, whose values are 0 to 127.
 ZERO = 64
-# The largest step in frame pixels between pixels of a crop. The frame is halved before, so that no pixel is skipped.
+# Largest step in frame pixels between crop pixels. At a larger step the frame is halved, so that no pixel is skipped.
 COARSEST_STEP = 2.2
 SAMPLED = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
 

@@ -15,7 +15,7 @@ LARGEST_GRADIENT = 5.0
 UNROUNDED_SHARE = 0.25
 # The error below which the loss is quadratic, above it linear.
 SMOOTH = 0.03
-# Bounds of the learned log spreads, and the log spread at an output of 0.
+# Minimum and maximum of the learned log spreads, and the log spread at an output of 0.
 LEAST_SPREAD, MOST_SPREAD, SPREAD_AT_ZERO = -5.0, 1.0, -1.5
 
 

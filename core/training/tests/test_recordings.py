@@ -14,7 +14,7 @@ def test_colors_become_gray(tmp_path):
     video.write(np.full((48, 64, 3), (255, 0, 0), np.uint8))
     video.release()
     (frame,) = found.decoded(path)
-    # Blue counts 0.114 of 255.
+    # Gray is 0.114 * blue = 0.114 * 255 here.
     assert frame.mean() == pytest.approx(29, abs=2)
 
 

@@ -1,5 +1,5 @@
-//! Checks that every error of smr-core has a status in C. Writes its text for JavaScript and MicroPython into
-//! `core/web/words.js` and `core/micropython/smr/words.h`: `SMR_RECORD=1 cargo test -p smr-c`.
+//! Checks that every error of smr-core has a status in C. `SMR_RECORD=1 cargo test -p smr-c` writes the texts of the
+//! errors to `core/web/words.js` and `core/micropython/smr/words.h`, for JavaScript and MicroPython.
 
 use smr::{STATUSES, smr_status};
 use smr_core::readout::ReadoutError;
@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::path::Path;
 
-/// Line and setting with which errors are made. `quoted` replaces them in the texts by placeholders.
+/// The line and the setting that the texts of errors contain. `quoted` replaces them by placeholders.
 const LINE: u16 = 54_321;
 const SETTING: &str = "early_rate";
 
@@ -45,7 +45,7 @@ fn errors() -> Vec<Error> {
     }
 }
 
-/// Errors that a language cannot cause, and the reason; "" is every language. It shows the name of the status instead.
+/// Language ("" for all), errors that it cannot cause, and the reason. For these it shows the name of the status.
 const NEVER: &[(&str, &[&str], &str)] = &[
     ("JavaScript", &["ConfigError::RefinerNotBuiltIn"], "the module has the refiner"),
     ("JavaScript", READOUT, "a browser gives frames, not lines"),
@@ -68,7 +68,7 @@ const READOUT: &[&str] = &[
     "ReadoutError::LineMissing",
 ];
 
-/// The errors in smr-core's list of public items, except those of `pursuit` and of tables, which only Rust can cause.
+/// Errors in `core` (smr-core's public items), except those of `pursuit` and `similarity`, which only Rust can cause.
 fn listed(core: &str) -> BTreeSet<String> {
     let paths = core.lines().filter_map(|line| line.strip_prefix("pub smr_core::")?.split(['(', ' ']).next());
     let named = |path: &str| {

@@ -89,7 +89,7 @@ fn trackers_are_made_in_their_memory() {
     println!("smr_init: {paper}, robust {robust}");
     assert!(paper < 4096 && robust < 4096, "smr_init takes {paper} bytes of stack, for a robust tracker {robust}");
     assert_eq!([made, also_made], [smr_status::SMR_OK; 2]);
-    // True if smr-core has the refiner: another package in the same build may have enabled it.
+    // Expects the refiner if smr-core has it: another package in the same build may have enabled it.
     let mut config = smr_core::robust::Config::robust();
     config.refiner = true;
     let expected = match config.check() {

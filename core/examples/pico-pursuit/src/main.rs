@@ -47,7 +47,7 @@ const AXIS: Axis = Axis {
 const SERVO: Servo =
     Servo { pulse_at_min_microseconds: 900, pulse_at_max_microseconds: 2100, period_microseconds: 20_000 };
 
-/// The paper's tracker. With enough memory and speed use `smr_core::Robust`; only the configuration changes as well.
+/// The paper's tracker. With enough memory and speed, use `smr_core::Robust` and its configuration instead.
 type SmallTarget = Paper<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
 
 #[rp2040_hal::entry]
@@ -138,7 +138,7 @@ fn tracker_config() -> Config {
     let mut config = Config::camera();
     config.window = Radius { x: 10, y: 10 };
     config.window_limit = Radius { x: 16, y: 16 };
-    // Rejects a peak that is hardly above the runner-up, so that the head does not follow an object before the target.
+    // Rejects a peak hardly above the runner-up, so that the head does not follow an object in front of the target.
     config.gate_tracking = Fraction::new(5, 4);
     config
 }

@@ -30,7 +30,7 @@ def restore(saved: bytes) -> Tracker:
             tracker.restore(saved)
             return tracker
         except ValueError as refusal:
-            # The error of a tracker of the same kind is the useful one.
+            # Prefers the error of a tracker of the saved kind: the other kind only reports that the kind is wrong.
             if error is None or "by the other tracker" in str(error):
                 error = refusal
     raise error

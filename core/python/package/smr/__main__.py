@@ -27,7 +27,7 @@ class Window:
     def select(self, frame):
         """Returns the box that the user draws, or None."""
         print("draw a box, then press space; c selects nothing", file=sys.stderr)
-        # No notice of OpenCV, which would be between the lines of standard output.
+        # Suppresses OpenCV's notice, which would appear between the lines of standard output.
         box = cv2.selectROI("smr", frame, showCrosshair=False, printNotice=False)
         return box if box[2] and box[3] else None
 

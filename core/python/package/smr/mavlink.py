@@ -321,7 +321,7 @@ def connected(options, seconds=None):
     except (OSError, ValueError) as error:
         expected = "expected udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT or a serial device"
         raise ValueError(f"cannot connect to {options.connection}: {error}: {expected}") from None
-    # pymavlink only prints when the peer has gone, and reads on; these raise an error instead.
+    # When the peer has gone, pymavlink only prints that and reads on. `gone` raises an error instead.
     connection.handle_eof = connection.handle_disconnect = gone
     connection.portdead = True
     return connection

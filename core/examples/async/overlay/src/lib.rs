@@ -12,8 +12,8 @@
 //! let mut display = MockDisplay::new(); // yours: any `DrawTarget`
 //! display.set_allow_overdraw(true);
 //!
-//! In a program, after the camera's picture: `draw(&mut display, answer.bbox, answer.state, COLORS)`
-//! draw(&mut display, Rect::new(2, 14, 20, 16), State::Tracking, COLORS)?;
+//! // In a program, after the camera's picture: `draw(&mut display, answer.bbox, answer.state, your_own_colors)?`.
+//! draw(&mut display, Rect::new(2, 14, 20, 16), State::Tracking, COLORS)?; // the box and the state's name
 //! assert_eq!(display.get_pixel(Point::new(2, 14)), Some(Rgb888::GREEN));
 //! # Ok::<(), core::convert::Infallible>(())
 //! ```

@@ -101,7 +101,7 @@ mod app {
         let filled = context.shared.order.lock(|order| {
             let Order { readout, pixels } = order.as_mut()?;
             match readout.push_line(*y, &camera::line(*frame, *y), &mut pixels[..]) {
-                // If an order comes after its first line, it waits for the next frame.
+                // An order that comes after the first line of its window waits for the next frame.
                 Ok(()) | Err(ReadoutError::LineMissing(_)) => {}
                 Err(_) => fail("the read-out refuses a line"),
             }
@@ -147,7 +147,7 @@ mod app {
         context.shared.order.lock(|next| *next = Some(order));
     }
 
-    /// The expected answers: the tracker's in whole frames, without interrupts.
+    /// Computes the expected answers: those for whole frames, without interrupts.
     fn whole_frames(target: &mut Target, workspace: &mut Workspace, pixels: &mut [u8; PIXELS]) -> Option<Answers> {
         let mut answers = [None; FRAMES as usize];
         for (number, answer) in (0..).zip(&mut answers) {
@@ -164,7 +164,7 @@ mod app {
         Some(answers)
     }
 
-    /// Measures the instructions per cycle of the timer, which is constant in QEMU with `-icount`.
+    /// Measures the instructions per timer cycle. Their number is constant in QEMU with `-icount`.
     fn instructions_a_cycle(timer: &mut SYST) -> u32 {
         const INSTRUCTIONS: u32 = 2_000_000;
         start(timer, 1 << 24);
