@@ -1,4 +1,4 @@
-//! The macro that defines errors, and [`Error`], which holds any of them.
+//! The macro that defines the error enums, and [`Error`], which wraps any error of this crate.
 
 use crate::image::readout::ReadoutError;
 use crate::image::{FrameError, ImageError};

@@ -66,7 +66,7 @@ impl<'a> Frame<'a> {
         Self { first: Part { image, x: 0, y: 0 }, second: None, width: image.width(), height: image.height() }
     }
 
-    /// A `width` x `height` frame of which only `image` is in memory, with its top left pixel at (`x`, `y`).
+    /// A `width` x `height` frame of which only `image` is in memory. The top left pixel of `image` is at (`x`, `y`).
     ///
     /// # Errors
     /// [`FrameError::OutsideFrame`] if `image` reaches outside the frame.

@@ -77,8 +77,7 @@ pub enum Format {
     /// Bayer mosaic of color filters in any order, one byte per pixel. Halves width and height: each 2x2 block becomes
     /// one gray pixel, `((a + b) / 2 + (c + d + 1) / 2) / 2` with a and b in the upper line, c and d in the lower.
     Bayer8,
-    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): the high bytes of all four, then their low bits,
-    /// ignored.
+    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): four bytes of high bits, one of low bits (ignored).
     Gray10,
 }
 
@@ -111,7 +110,7 @@ impl Format {
         if matches!(self, Self::Bayer8) { 2 } else { 1 }
     }
 
-    /// The sensor lines of `window`: the first, and one past the last. Both fit, because the window is in the frame.
+    /// (first, end) of the sensor lines of `window`. Both fit in a `u16`, because the window is inside the frame.
     fn lines_of(self, window: Rect) -> (u16, u16) {
         let top = u16::try_from(window.y).unwrap_or(u16::MAX);
         let lines = self.lines_a_row();
@@ -131,8 +130,7 @@ impl Format {
         self.convert(bytes, usize::try_from(window.x).unwrap_or(0), line.is_multiple_of(lines), row);
     }
 
-    /// Converts pixels of `line` from column `x` on. `is_upper`: the line is the upper one of a Bayer block, or the
-    /// only one.
+    /// Converts pixels of `line` from column `x` on. `is_upper` is false only for the lower line of a Bayer block.
     fn convert(self, line: &[u8], x: usize, is_upper: bool, gray: &mut [u8]) {
         let from = |start: usize| line.get(start..).unwrap_or(&[]);
         match self {
@@ -205,7 +203,7 @@ pub struct Readout {
 }
 
 impl Readout {
-    /// Begins a frame of a sensor of (`columns`, `lines`) pixels, to be read in `window`.
+    /// Begins a frame of a sensor of (`columns`, `lines`) pixels, of which only `window` is converted and kept.
     ///
     /// # Errors
     /// [`ReadoutError::WindowOutsideFrame`].
@@ -234,14 +232,16 @@ impl Readout {
         self.format.gray_size((self.columns, self.lines))
     }
 
-    /// The size of the buffer for the windows, in bytes: one for each gray pixel.
+    /// Size of the buffer for the windows in bytes: one for each gray pixel.
     #[must_use]
     pub fn pixels(&self) -> usize {
         area(self.first).saturating_add(self.second.map_or(0, area))
     }
 
-    /// Converts line `y` of the sensor into the buffer `pixels`, which is used only if the line is in a window.
+    /// Converts line `y` of the sensor into the buffer `pixels`, which is used only if the line is in a window. Ignores
+    /// bytes after the line's end.
     ///
+    /// # Errors
     /// [`ReadoutError::LineOutsideFrame`], [`ReadoutError::LineOutOfOrder`], [`ReadoutError::LineTooShort`],
     /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped,
     /// [`ReadoutError::BufferTooSmall`]. The readout is then unchanged.
@@ -289,6 +289,7 @@ impl Readout {
 
     /// The frame with its windows, for a lock or an update. Lines below the windows need not have arrived.
     ///
+    /// # Errors
     /// [`ReadoutError::LineMissing`] with the first missing line of a window, [`ReadoutError::BufferTooSmall`].
     pub fn frame<'a>(&self, pixels: &'a [u8]) -> Result<Frame<'a>, ReadoutError> {
         self.next_needed().map_or(Ok(()), |line| Err(ReadoutError::LineMissing(line)))?;

@@ -135,14 +135,14 @@ impl<'a> Image<'a> {
         Some(Self { height, ..*self })
     }
 
-    /// An image of `height` equal rows, the first `width` pixels of `row`; `None` if `row` is shorter. Lacks
-    /// [`Image::rows`].
+    /// An image of `height` equal rows, each the first `width` pixels of `row`; `None` if `row` is shorter. The stride
+    /// is 0, so [`Image::rows`] does not work.
     #[cfg(not(smr_swar))]
     pub(crate) fn repeated(row: &'a [u8], width: u16, height: u16) -> Option<Self> {
         (row.len() >= width.into()).then_some(Self { pixels: row, width, height, stride: 0 })
     }
 
-    /// An image of the same size and stride over other bytes; `None` if `pixels` is too short.
+    /// An image of `pixels` with the size and stride of `self`; `None` if `pixels` is shorter than the slice of `self`.
     pub(crate) fn like<'b>(&self, pixels: &'b [u8]) -> Option<Image<'b>> {
         let Self { width, height, stride, .. } = *self;
         (pixels.len() >= self.pixels.len()).then_some(Image { pixels, width, height, stride })

@@ -1,7 +1,7 @@
 //! Instruction sets of the kernels ([`Backend`]), and detection of those that this machine supports.
 
 /// Evaluates `$call` with `$set` as the module of the backend's instruction set. The modules are listed only here; each
-/// has `is_available`, `products` and `dense`. A backend of another architecture has the plain loops.
+/// has `is_available`, `products` and `dense`. For `Scalar`, or a backend that is not compiled in, `$set` is `plain`.
 macro_rules! by_backend {
     ($backend:expr, $set:ident => $call:expr) => {
         by_backend!($backend, $set => $call, else {
@@ -102,9 +102,9 @@ pub enum Backend {
     Dsp,
     /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
     Helium,
-    /// Any processor without DSP and Helium: words of four pixels in ordinary 32-bit registers for ranges and bounds,
-    /// and unrolled byte loops. The fastest backend on 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC).
-    /// There the `CutTable` in each workspace takes 510 bytes more. Loads words from multiples of four only.
+    /// Any processor without DSP and Helium: words of four pixels in ordinary 32-bit registers for score bounds, and
+    /// unrolled byte loops. The fastest backend on 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC). There
+    /// the `CutTable` in each workspace takes 510 bytes more. Loads words from multiples of four only.
     Swar,
 }
 

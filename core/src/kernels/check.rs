@@ -29,7 +29,7 @@ pub const ROOM: usize = 64 * 1024;
 /// Miri is thousands of times slower: there only every 29th case is compared.
 const STEP: usize = if cfg!(miri) { 29 } else { 1 };
 
-/// Memory for test pictures. Where accesses beyond the named edge fault, a read outside of a picture is detected.
+/// Memory areas with test pictures at one edge. If accesses beyond the edge fault, reads beyond a picture do too.
 #[derive(Debug)]
 pub struct Areas<'a> {
     /// An area with pictures at its end, after which memory is inaccessible.
@@ -87,7 +87,7 @@ impl Noise {
     }
 }
 
-/// Fills the areas with noise. Bytes at the same index are similar, for differences on both sides of a threshold.
+/// Fills the areas with noise. Bytes at the same index differ by little or by much: on both sides of a threshold.
 fn fill(areas: &mut Areas<'_>) {
     let mut noise = Noise(1);
     for ((first, second), third) in areas.end.iter_mut().zip(&mut *areas.other_end).zip(&mut *areas.start) {
@@ -189,7 +189,7 @@ pub(super) fn scores(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares scores for floors, and distances for limits, below, at and above the exact value.
+/// Compares scores and distances, with floors and limits below, at and above the exact values.
 fn pair(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16) {
     let table = cut(patch.height() % 3 + threshold, threshold);
     let scorer = Scorer::new(backend, &table);
@@ -251,7 +251,7 @@ fn copy_near<'a>(from: Image<'_>, part: Rect, to: &'a mut [u8], last: bool, nois
     picture(to, last, (part.width, part.height), width)
 }
 
-/// Checks that `candidates` excludes no offset that reaches the floor, and some offsets far below it.
+/// Checks that `candidates` excludes no offset whose score reaches the floor, but does exclude some with low scores.
 #[inline(never)]
 pub(super) fn candidates(backend: Backend, areas: &mut Areas<'_>) {
     fill(areas);
@@ -285,7 +285,7 @@ pub(super) fn candidates(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares the ranges of 4x4 blocks, in rows of different alignments, one of them at an edge of the memory.
+/// Compares the pixel ranges of 4x4 blocks. The four rows have different alignments; one lies at an edge of the memory.
 #[inline(never)]
 pub(super) fn ranges(backend: Backend, areas: &mut Areas<'_>) {
     fill(areas);
@@ -305,7 +305,7 @@ pub(super) fn ranges(backend: Backend, areas: &mut Areas<'_>) {
     ranges_of_rows(backend, areas);
 }
 
-/// Checks a row of ranges as the backend encodes them.
+/// Checks a row of pixel ranges in the encoding of the backend.
 fn ranges_are_right(backend: Backend, threshold: u16, rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
     let (last, half) = ((threshold - 1) as u8, (threshold / 2) as u8);
     for (at, given) in low.iter().copied().zip(high.iter().copied()).enumerate() {
@@ -398,7 +398,7 @@ pub(super) fn groups(backend: Backend, areas: &mut Areas<'_>) {
     far_groups(backend, areas);
 }
 
-/// Checks that groups of offsets are excluded where all gray levels are far from the template's, in every column.
+/// Checks that a group of offsets at any column is excluded if all its gray levels are far from those of the template.
 fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
     let table = cut(2, 13);
     let scorer = Scorer::new(backend, &table);
@@ -415,7 +415,7 @@ fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
             part_mut(areas.end, true, usize::from(width) * 9).fill(level);
             let template = picture(areas.end, true, (width, 9), width.into());
             let most = plain::scores::most(template, template);
-            // A bound may take up to two rows as fully similar.
+            // A bound may count up to two rows as fully similar.
             let bound = scorer.bound(&blocks, template, most / 4);
             check(bound.is_some() == counts, "bound of a far group", backend, (width, column, level));
         }
@@ -455,7 +455,7 @@ pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares filter responses and gradients, by pieces. Weights and errors are noise, or the largest with sign `sign`.
+/// Compares filter responses and gradients, by pieces. Weights and errors are noise, or `sign` times their maximum.
 fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: usize, sign: Option<i16>) {
     let products = Products::new(backend);
     let mut noise = Noise(5);
@@ -653,7 +653,7 @@ fn cells() {
     }
 }
 
-/// Compares norms with the formula, for random energies, and for the least energy of each root and one less.
+/// Compares norms with the formula: for random energies, for the smallest energy of each root, and for one less.
 fn norms_of_rows() {
     let mut noise = Noise(17);
     for (case, kind) in (0..47_200_u32).step_by(STEP).flat_map(|case| [0, 1, 2].map(|kind| (case, kind))) {

@@ -7,7 +7,7 @@ use super::unrolling::rolled;
 /// The similarity of equal pixels: 1.0, which tables store as 65535.
 pub(crate) const ONE: u16 = u16::MAX;
 
-/// The most pixels whose similarities a `u32` can sum: 65537.
+/// Maximum number of pixels whose similarities a `u32` can sum: 65537.
 pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 
 /// Number of entries. Without vectors, an index by the signed difference costs less than an absolute value.
@@ -81,7 +81,7 @@ impl CutTable {
         &self.entries
     }
 
-    /// Constants of the score bounds that sum bytes instead of looking up entries.
+    /// Constants for upper bounds of scores. The bounds sum bytes instead of looking up entries.
     #[cfg(any(smr_dsp, smr_helium))]
     #[inline]
     pub(super) const fn points(&self) -> &Points {

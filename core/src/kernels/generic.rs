@@ -36,7 +36,7 @@
 //!    else after each row and after 128 vectors.
 //! 6. **A range in one comparison.** low <= g <= high takes one subtraction and one comparison ([`widen`], [`around`]).
 //! 7. **The width as a constant.** Rows of up to two vectors get loops in which the number of vectors (`WHOLE`) and
-//!    whether an end follows (`END`) are constants (`by_width!`). Where code must be small, only short rows do.
+//!    whether an end follows (`END`) are constants (`by_width!`). If code must be small, only rows below one vector do.
 //! 8. **No byte beyond a row is read.** The end of a row is loaded as the last vector that fits; lanes that overlap the
 //!    vector before are masked. Rows narrower than a vector are copied ([`last`]) or loaded in parts (x86-64).
 //! 9. **The last vector of ranges overlaps the one before** ([`spread`], [`ranges_of_rows`]), with the same values.
@@ -67,7 +67,7 @@ pub(crate) trait Vector: Copy {
     /// Loads bytes from any address.
     unsafe fn load(from: *const u8) -> Self;
     unsafe fn nothing() -> Self::Total;
-    /// Mask (255) of the end of a row: the pixels after the last whole vector. `WHOLE` is 0 if there is none.
+    /// Mask (255) of the end of a row: the pixels after the last whole vector. `WHOLE` is 0 if no vector is whole.
     unsafe fn end<const WHOLE: usize>(width: usize) -> Self;
     /// Loads the end of the row that begins at `row`. Lanes outside the mask [`Vector::end`] may hold anything.
     unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize) -> Self;
@@ -109,7 +109,7 @@ pub(crate) trait Neighbours: Vector {
 pub(crate) trait LookUp {
     type Vector: Vector;
 
-    /// Looks up each lane of `difference`: the low bytes and the high bytes of the entries.
+    /// Returns the low bytes and the high bytes of the table entries for the lanes of `difference`.
     fn look_up(&self, difference: Self::Vector) -> (Self::Vector, Self::Vector);
 }
 
@@ -139,11 +139,11 @@ macro_rules! intrinsics {
     };
 }
 
-/// Value of the const parameter `WHOLE`, the number of whole vectors in a row, in a loop for any number of them but 0.
+/// Value of the const parameter `WHOLE` (whole vectors in a row) in a loop that supports every number of vectors but 0.
 pub(crate) const ANY: usize = usize::MAX;
 
-/// Evaluates `$call` with constants for rows of `$width` pixels: `WHOLE` (whole vectors), `END` (if pixels follow
-/// them).
+/// Evaluates `$call` with two constants for rows of `$width` pixels: `WHOLE`, the number of whole vectors in a row, and
+/// `END`, true if pixels follow after the whole vectors.
 macro_rules! by_width {
     ($width:expr, $vector:ty, $call:expr) => {{
         use $crate::kernels::generic::{ANY, Vector};
@@ -197,8 +197,8 @@ impl<V, const SEGMENT: usize, const SEGMENTS: usize> Lookup<V, SEGMENT, SEGMENTS
     }
 }
 
-/// Implements `Scores` for a [`Lookup`]. Each listed number of segments gets a loop of its own, which also serves
-/// smaller numbers. Ranges use the first listed vector that fits in a row.
+/// Implements `Scores` for a [`Lookup`]. Each listed segment count gets a loop of its own, which also serves smaller
+/// counts. Pixel ranges use the first listed vector type that fits in a row.
 macro_rules! scores {
     (
         $backend:ty, $planes:ident, $vector:ty $(, or $shorter:ty)?, $features:literal,
@@ -396,7 +396,7 @@ unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// The score: both byte totals joined. It fits in a `u32` for every template.
+/// The score: the total of low bytes plus 256 times the total of high bytes. It fits in a `u32` for every template.
 #[inline(always)]
 fn score<V: Vector>(even: &Sums<V>, odd: &Sums<V>) -> u32 {
     V::across(V::plus(V::plus(even.low, odd.low), V::times_256(V::plus(even.high, odd.high))))
@@ -468,8 +468,8 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// Bit mask of four neighbouring offsets: set if the score may reach `floor`. Counts the pixels beyond the threshold at
-/// each offset. Vectors of the template are loaded and turned into ranges once for all four.
+/// Bit mask of four neighbouring offsets: a bit is set if the score at its offset may reach `floor`. Counts the pixels
+/// beyond the threshold at each offset. Each vector of the template is loaded and converted to ranges once.
 ///
 /// # Safety
 /// The patch has three more columns than the template.
@@ -539,8 +539,8 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// The range of the pixels f within the threshold of `g`: f is inside if the first result minus f is at most the second
-/// result, as signed numbers.
+/// Encodes the range of all pixels f within the threshold of `g`: f is inside if the first result minus f, as a signed
+/// byte, is at most the second result.
 #[inline(always)]
 fn around<V: Neighbours>(g: V, last: V) -> (V, V) {
     let highest = V::minus(V::raised(g, last), half(g));
@@ -574,7 +574,7 @@ struct Count<V> {
 }
 
 impl<V: Vector> Count<V> {
-    /// Vectors of a row between flushes. A lane counts to 255, so it may already hold counts of 127 earlier vectors.
+    /// Number of vectors of a row between two flushes: a power of two, below the 255 that a lane can count.
     const MOST: usize = 128;
 
     /// Adds 1 in each lane that is 255 in `counts`. The other lanes of `counts` are 0.
@@ -662,7 +662,7 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
             // The last three lanes are incomplete. The next round computes them again.
             at += V::LANES - 3;
         }
-        // The last vector overlaps the one before it. It loads each row four times: no vector fits to its right.
+        // The last vector overlaps the one before. It needs all lanes complete, so it loads each row at four columns.
         let (mut lowest, mut highest) = (V::splat(u8::MAX), V::splat(0));
         for column in 0..4 {
             let ranges = column_ranges::<V>(&rows, last + column);
@@ -674,7 +674,7 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
     true
 }
 
-/// Half the values of a byte. Subtracting it maps 0 to 255 to signed numbers in the same order.
+/// Half the number of byte values. Subtracting it from bytes, modulo 256, gives signed numbers in the same order.
 const HALF: u8 = 128;
 
 #[inline(always)]
@@ -685,7 +685,7 @@ pub(crate) fn half<V: Vector>(_: V) -> V {
 
 /// Widens ranges by `last` and encodes them for [`inside_at_least`]: g is inside if low - last <= g <= high + last,
 /// that is, if g - (low - last), modulo 256, is at most (high + last) - (low - last). Vectors compare signed numbers,
-/// so both sides have [`HALF`] subtracted: the results are low - last - HALF, and high + last minus that.
+/// so both sides have [`HALF`] subtracted: the results are low - last - HALF, and high + last minus the first result.
 #[inline(always)]
 fn widen<V: Neighbours>(low: V, high: V, last: V) -> (V, V) {
     let low_less_half = V::minus(V::saturating_sub(low, last), half(low));
@@ -702,9 +702,9 @@ pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
     }
 }
 
-/// Computes rows of ranges, as [`widen`] encodes them. Returns false, and does nothing, if a row has fewer ranges than
-/// lanes or `to` is too small. Each strip as wide as a vector is read once, from top to bottom. The minima and maxima
-/// of each pair of rows serve two ranges.
+/// Computes rows of pixel ranges, as [`widen`] encodes them. Returns false, and does nothing, if a row has fewer ranges
+/// than a vector has lanes, or if `to` is too small. Reads strips as wide as a vector, each from top to bottom. The
+/// minima and maxima of each pair of rows serve two ranges.
 #[inline(always)]
 pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
     pixels: Image<'_>,
@@ -753,7 +753,7 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
     }
 }
 
-/// For each pixel of a vector: the lowest and the highest of it and the next three pixels.
+/// For each pixel of a vector, the minimum and the maximum of that pixel and the next three.
 ///
 /// # Safety
 /// A vector and three more pixels can be read at `row`.
@@ -778,7 +778,7 @@ unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, 
     (V::min(V::min(a, b), V::min(c, d)), V::max(V::max(a, b), V::max(c, d)))
 }
 
-/// The most lanes that [`last_lanes`] and [`last`] support.
+/// Maximum number of lanes that [`last_lanes`] and [`last`] support.
 const MOST_LANES: usize = 32;
 
 /// Mask (255) of the last `width % LANES` lanes, into which [`last`] loads the end of a row.

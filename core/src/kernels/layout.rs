@@ -31,13 +31,13 @@ impl Packed {
 /// Layout of a correlation filter on the feature bytes of cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
-    /// Weights in a row of the filter, equal to the feature bytes under the row.
+    /// Number of weights in a row of the filter: one for each feature byte under the row.
     pub(crate) row: usize,
     /// Bytes from a row of cells to the next one.
     pub(crate) stride: usize,
     /// Bytes from an offset to its right neighbour.
     pub(crate) step: usize,
-    /// Filter offsets on each axis.
+    /// Number of filter offsets on each axis.
     pub(crate) span: usize,
 }
 
@@ -50,20 +50,20 @@ impl Layout {
         let Self { row, stride, step, span } = self;
         let whole = step == CHANNELS && row > 0 && row.is_multiple_of(step) && weights.is_multiple_of(row) && span > 0;
         let down = weights.checked_div(row).filter(|&down| whole && down > 0)?;
-        // Checked arithmetic, because backends load without further checks what fits.
+        // Checked arithmetic, because backends rely on the result and read the cells without bounds checks.
         let last_row = (down - 1).checked_add(span - 1)?.checked_mul(stride)?;
         let last = last_row.checked_add((span - 1).checked_mul(step)?)?;
         (last.checked_add(row)? <= cells).then_some(down)
     }
 
-    /// The rows of offsets that the plain loop computes when it replaces a faster loop, which divides its work
-    /// differently: all rows in the first piece of work, none in later pieces.
+    /// The rows of offsets that the plain loop computes in place of a faster loop with other pieces of work: all rows
+    /// in the first piece, none in later pieces.
     #[allow(dead_code)] // for backends whose pieces are not rows of offsets
     pub(crate) fn all_rows_in_first_piece(self, pieces: Range<usize>) -> Range<usize> {
         if pieces.start == 0 { 0..self.span } else { 0..0 }
     }
 
-    /// Number of rows of cells that lie under a filter of `weights` weights at any offset.
+    /// Number of rows of cells that a filter of `weights` weights covers at all offsets together.
     #[allow(dead_code)] // for backends that go row by row of cells
     pub(crate) fn rows(self, weights: usize) -> usize {
         weights.checked_div(self.row).unwrap_or(0) + self.span.saturating_sub(1)

@@ -9,7 +9,7 @@ use heapless::Vec;
 
 /// Bilinear sampling positions of up to `N` output columns in a row.
 pub(crate) struct Interpolation<const N: usize> {
-    /// Byte offset in the row of each column's left sample.
+    /// For each column, the byte offset of its left sample in the row.
     from: Vec<u16, N>,
     parts: Vec<SampleWeights, N>,
 }
@@ -75,7 +75,7 @@ pub(crate) use super::plain::gradients::norms;
 #[cfg(smr_helium)]
 pub(crate) use native::gradients::norms;
 
-/// The sum of absolute differences from `level`, and the number of clipped pixels (0 or 255), of up to 65537 pixels.
+/// For up to 65537 pixels, the sum of absolute differences from `level`, and the number of clipped pixels (0 or 255).
 #[inline(never)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     debug_assert!(pixels.len() <= MAX_PIXELS);
@@ -89,8 +89,8 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     native::levels::replace(old, new, largest)
 }
 
-/// The values `weight * factor / 2^32 + sum * 2^left`; the quotient is rounded down. Each is within
-/// +-(2^31 - 1); its product or its sum alone may be larger.
+/// The values `weight * factor / 2^32 + sum * 2^left`, with the quotient rounded down. A value is within +-(2^31 - 1),
+/// but either of its two terms may be larger.
 #[derive(Clone, Copy)]
 pub(crate) struct ScaledSums<'a> {
     pub(crate) weights: &'a [i32],
@@ -112,7 +112,7 @@ impl<'a> ScaledSums<'a> {
         native::weights::largest(weights, factor, sums, left)
     }
 
-    /// Quantises all values: divides by `2^shift` and rounds. The caller chooses `shift` so that they fit in 16 bits.
+    /// Quantises all values: divides by `2^shift` and rounds. The caller chooses `shift` so that 16 bits suffice.
     #[inline(never)]
     pub(crate) fn code(self, shift: u32, out: &mut [i16]) {
         let Self { weights, factor, sums, left } = self;

@@ -1,5 +1,5 @@
 //! NEON, which every AArch64 processor with floating point has: 16 pixels in a vector. The compiler vectorizes the
-//! plain loops of all kernels but scores. Scores:
+//! plain loops of all kernels but scores. A score takes two steps:
 //!
 //! 1. `tbl` looks up 64 bytes and gives zero for a larger index. Entries from the threshold on are zero, so the lookup
 //!    is also the test d < threshold. Thresholds above 64 take up to four lookups.

@@ -21,7 +21,7 @@ impl Products {
         Self(backend.or_scalar())
     }
 
-    /// Number of pieces of work of [`Products::responses`], with up to 34 multiplications for each weight in a piece.
+    /// Number of pieces of work of [`Products::responses`]. A piece takes up to 34 multiplications for each weight.
     pub(crate) fn pieces(self, layout: Layout, weights: usize) -> usize {
         if self.takes_rows_of_cells() { layout.rows(weights).div_ceil(2) } else { layout.span }
     }

@@ -39,7 +39,7 @@ impl Rows {
         }
     }
 
-    /// Rows of a template and of the pixel ranges it is compared with. `None` if there are fewer ranges than pixels.
+    /// Rows of a template, and of the pixel ranges to compare with it. `None` if there are fewer ranges than pixels.
     #[inline(always)]
     #[cfg_attr(smr_swar, allow(dead_code))]
     pub(crate) fn of_blocks(blocks: &Blocks<'_>, template: Image<'_>) -> Option<Self> {
@@ -69,7 +69,7 @@ impl Rows {
         }
     }
 
-    /// The fewest pixels with which a score can reach `floor`.
+    /// Minimum number of pixels with which a score can reach `floor`.
     #[inline]
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for kernels that count pixels
     pub(crate) const fn pixels_of(floor: u32) -> u32 {

@@ -1,4 +1,4 @@
-//! Similarity kernels behind one type, [`Scorer`]: selects those of a backend and checks their arguments.
+//! The similarity kernels behind one type: a [`Scorer`] selects the kernels of a backend and checks their arguments.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::scores::Dsp;
@@ -142,7 +142,7 @@ impl<'a> Scorer<'a> {
         all(target_arch = "wasm32", target_feature = "simd128")
     ));
 
-    /// Computes the ranges of the 4x4 blocks in every `step`th row of `pixels`; see [`Scores::ranges_of_rows`].
+    /// Computes pixel ranges of the 4x4 blocks that begin in every `step`th row; see [`Scores::ranges_of_rows`].
     #[inline(always)]
     pub(crate) fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, mut to: RowsOfRanges<'_>) -> bool {
         by_backend!(&self.ready, Ready(kernels) => kernels.ranges_of_rows(pixels, step, &mut to))
@@ -156,7 +156,7 @@ impl<'a> Scorer<'a> {
     }
 
     /// The score of the pixels of `template` on the zero padding around the frame. `seen` is the part of the template
-    /// on the frame, in its coordinates, or empty. The template is not too large for a score.
+    /// on the frame, in template coordinates, or empty. The template has at most `MAX_PIXELS` pixels.
     #[cfg(not(smr_swar))]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
@@ -184,7 +184,7 @@ impl<'a> Scorer<'a> {
         }
         sum
     }
-    /// The score of the pixels of `template` on the padding by the plain loop, because words are not faster here.
+    /// The score of the pixels of `template` on the padding. Uses the plain loop, because no loop over words is faster.
     #[cfg(smr_swar)]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {

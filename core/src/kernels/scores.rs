@@ -58,8 +58,8 @@ pub(crate) trait Scores {
     /// Computes the lowest and the highest pixel of 4x4 blocks for [`Scores::bound`], as the backend encodes them.
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]);
 
-    /// Computes the ranges of the 4x4 blocks that begin in every `step`th row of `pixels`. Returns false, and does
-    /// nothing, if this backend does not compute them faster than row by row.
+    /// Computes the pixel ranges of the 4x4 blocks that begin in every `step`th row of `pixels`. Returns false, and
+    /// does nothing, if this backend does not compute them faster than row by row.
     #[inline(always)]
     fn ranges_of_rows(&self, _pixels: Image<'_>, _step: usize, _to: &mut RowsOfRanges<'_>) -> bool {
         false

@@ -1,4 +1,4 @@
-//! SIMD128, the vectors of WebAssembly: 16 pixels in a vector. Scores:
+//! SIMD128, the vectors of WebAssembly: 16 pixels in a vector. A score takes two steps:
 //!
 //! 1. A swizzle looks up 16 bytes, or zero for a larger index. Entries from the threshold on are zero, so the lookup is
 //!    also the test d < threshold. Thresholds up to 16 (usual) take one lookup for each plane, others up to 16.
@@ -72,15 +72,15 @@ fn shift_down<const BY: i32>(bytes: v128) -> v128 {
 
 const SEGMENT: usize = 16;
 
-/// Value of `SEGMENTS` for any number above one. They share a loop: separate loops would make the module a third
-/// larger.
+/// Value of `SEGMENTS` for two or more segments. All counts above one share a loop, because separate loops would make
+/// the module a third larger.
 const MANY: usize = 16;
 
 pub(crate) type Lookup = generic::Lookup<v128, SEGMENT, MANY>;
 
 scores!(Lookup, Planes, v128, "simd128", segments: 1 or 16);
 
-/// The table segments of both byte planes: the first `SEGMENTS`, or all that are in use if that is [`MANY`].
+/// The first `SEGMENTS` table segments of both byte planes, or all that are in use if `SEGMENTS` is [`MANY`].
 struct Planes<'a, const SEGMENTS: usize> {
     first: (v128, v128),
     /// The segments after the first.

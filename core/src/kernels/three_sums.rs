@@ -22,7 +22,7 @@ use core::ops::Range;
 pub(crate) const SUMS: usize = 3;
 pub(crate) const BOTH: usize = 1;
 
-/// Sizes of the three partial sums, which process filter rows and offsets in pairs.
+/// Number of filter rows (`down`) and of rows of offsets (`span`), which determine the sizes of the three partial sums.
 #[derive(Clone, Copy)]
 pub(crate) struct PairedSizes {
     down: usize,
@@ -118,7 +118,7 @@ impl PairedSizes {
     }
 }
 
-/// The number of even rows out of `rows`, or of odd rows for the sum `lower`.
+/// The number of even rows among `rows` rows, or of odd rows if `sum` is 2 (`lower`).
 fn half(rows: usize, sum: usize) -> usize {
     (rows + 1 - sum / 2) / 2
 }

@@ -15,7 +15,7 @@ errors! {
         Negative => "the deadband and the hold time must not be negative",
         /// The minimum of an axis is not less than its maximum.
         LimitsReversed => "the minimum of an axis must be less than its maximum",
-        /// A limit is more than 2 pi away from 0. It may be in degrees.
+        /// A limit is more than 2 pi away from 0, perhaps because it was given in degrees.
         LimitsBeyondOneTurn => "the limits of an axis must be within one turn (2 pi): they are in radians",
         /// The home position of an axis is outside its limits.
         HomeOutsideLimits => "the home position of an axis must be within its limits",
@@ -35,7 +35,7 @@ errors! {
         Update(error: UpdateError) => "{error}",
     }
 
-    /// The reason why the head was not turned: the error of the pan, tilt or indicator pin, unchanged.
+    /// The reason why a command failed: an invalid time, or the unchanged error of the pan, tilt or indicator pin.
     PursuitError<P, T, L> {
         /// The pan servo's pin failed.
         Pan(error: P) => "the pan servo's pin failed: {error:?}",

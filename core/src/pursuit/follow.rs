@@ -174,9 +174,9 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         self.turn_to(pan, tilt, false)
     }
 
-    /// The motion of the picture to the next frame by the turn of the head, right and down, in units of 1/256 pixel. It
-    /// results from the command given [`PursuitConfig::delay_frames`] before the last, and is meant for
-    /// [`Target::moved`].
+    /// The expected motion of the picture to the next frame, right and down, in units of 1/256 pixel, for
+    /// [`Target::moved`]. It is the effect of the command that was given [`PursuitConfig::delay_frames`] frames before
+    /// the last one.
     #[must_use]
     pub fn picture_motion(&self) -> (i32, i32) {
         let (right, up) = self.turns.get(usize::from(self.delay_frames)).copied().unwrap_or_default();

@@ -114,7 +114,7 @@ fn the_pulses_of_each_frame_are_exact() {
         (Some(Leaving), (80, 92), 0.1, [1598, 1598, 1]),
         (Some(Uncertain), (48, 60), 0.1, [1500, 1598, 0]),
         (None, anywhere, f32::MAX, [1500, 1500, 0]),
-        // The slew rate allows 2 radians/s * 0.25 s = 0.5 radians, 250 microseconds. The next turn ends at the limits.
+        // At 2 radians/s, 0.25 s allow 0.5 radians (250 microseconds of pulse). The next turn ends at the limits.
         (Some(Tracking), far, 0.25, [1750, 1250, 1]),
         (Some(Tracking), far, 0.25, [2000, 1000, 1]),
         (Some(Tracking), far, 0.25, [2000, 1000, 1]),

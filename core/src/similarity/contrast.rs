@@ -1,5 +1,5 @@
-//! The contrast of a patch. By it `paper/gate.rs` and `robust/verification/lighting.rs` detect a covered lens, whose
-//! picture can have a high ratio but not the contrast of the target.
+//! The contrast of a patch, by which `paper/gate.rs` and `robust/verification/lighting.rs` detect a covered lens. The
+//! picture of a covered lens can match the template well, but has less contrast than the target.
 
 use crate::image::Image;
 use crate::kernels::deviation;
@@ -33,7 +33,7 @@ impl Contrast {
         Self { pixels: count, mean, deviation, clipped }
     }
 
-    /// True if the patch can show every target of its size, by its contrast and its number of clipped pixels.
+    /// True if the patch passes the checks of contrast and of clipped pixels against any target of its size.
     pub(crate) const fn is_enough_for_any(&self) -> bool {
         LARGEST_CONTRAST_RATIO * self.deviation >= MOST_DEVIATION * self.pixels && 2 * self.clipped <= self.pixels
     }
@@ -81,7 +81,7 @@ mod tests {
         assert_eq!((contrast.mean, contrast.deviation, contrast.clipped), (127, 32768 * 127 + 32767 * 128, 65535));
         let contrast = of(&board[..65536], 256, 256);
         assert_eq!((contrast.mean, contrast.deviation, contrast.clipped), (128, 32768 * 255, 65536));
-        // In the first row each pixel deviates by nearly the most possible.
+        // Each pixel of the first row deviates by 254, nearly the largest possible value.
         let mut rows = [255; 257 * 255];
         rows[..257].fill(0);
         let contrast = of(&rows, 257, 255);

@@ -28,7 +28,7 @@ pub(crate) fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, s
     score_at_least(frame, template, x, y, scorer, 0)
 }
 
-/// The score of `template` at (`x`, `y`), if it is at least `floor` and the box's part of the frame is in memory.
+/// The score of `template` at (`x`, `y`); `None` if it is below `floor`, or if a needed pixel is not in memory.
 pub(crate) fn score_at_least(
     frame: &Frame<'_>,
     template: Image<'_>,

@@ -39,7 +39,7 @@ impl Table {
     /// The similarity of equal pixels: 1.0.
     pub const ONE: u16 = kernels::ONE;
 
-    /// The most pixels whose similarities a score can sum: 65537.
+    /// The largest number of pixels whose similarities a score can sum without overflow: 65537.
     pub const MAX_PIXELS: usize = kernels::MAX_PIXELS;
 
     /// The scales that [`Table::new`] accepts, from the steepest to the flattest.

@@ -1,4 +1,4 @@
-//! The answer of an update (box, state, confidence), and the most work of a tracker.
+//! The answer of an update (box, state, confidence), and the upper bounds of a tracker's work.
 
 use crate::image::{FineRect, Rect};
 
@@ -22,8 +22,8 @@ pub enum State {
     /// The target is partly hidden or changes quickly, or the tracker follows something else.
     Uncertain = 2,
     /// The target is not visible. The box is the last accepted one ([`Paper`](crate::Paper)) or the current best guess
-    /// ([`Robust`](crate::Robust)). The search goes on. Nothing is learned, except if only the refiner's network
-    /// doubts.
+    /// ([`Robust`](crate::Robust)). The search goes on. Nothing is learned, unless the state is lost only because the
+    /// refiner's network expects large errors.
     Lost = 3,
 }
 
@@ -37,7 +37,7 @@ impl State {
         self as u8
     }
 
-    /// The state with this [`code`](Self::code); `None` if there is none.
+    /// The state with this [`code`](Self::code); `None` for an unknown code.
     #[must_use]
     pub const fn from_code(code: u8) -> Option<Self> {
         match code {
@@ -61,7 +61,7 @@ pub struct Answer {
     /// The tracker's judgement of the box.
     pub state: State,
     /// Confidence in the box. [`Paper`](crate::Paper): the ratio, or 0 when lost. [`Robust`](crate::Robust): a running
-    /// mean of 2/3 early template's agreement and 1/3 filter's response, where 1/2 or more counts as 1.
+    /// mean of 2/3 * the early template's agreement + 1/3 * min(2 * the filter's response, 1).
     pub confidence: u16,
     /// Similarity of the target in the box and the template. [`Paper`](crate::Paper): the similarity matching ratio,
     /// which is the peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth
@@ -103,7 +103,7 @@ pub struct MostWork {
     pub update: u64,
     /// The most work of a lock.
     pub lock: u64,
-    /// The most work by which a step exceeds its grant, because the last piece cannot be divided. The last step of a
-    /// call makes one more pass over the template and the weights.
+    /// The most work by which a step exceeds its grant, because it finishes the piece of work that it has begun. The
+    /// last step of a call makes one more pass over the template and the weights.
     pub beyond_a_step: u32,
 }

@@ -24,7 +24,7 @@ errors! {
         RefinerNotBuiltIn => "the refiner is on, and this build is without it (feature refiner)",
         /// No setting has this name: see [`Settings::SETTINGS`](crate::Settings::SETTINGS).
         UnknownSetting => "no setting of this tracker has this name",
-        /// A setting takes another count of values.
+        /// The count of values is not the one that the setting takes.
         WrongCount {
             /// The name of the setting.
             name: &'static str,

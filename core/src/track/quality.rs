@@ -3,7 +3,7 @@
 use crate::image::{Image, Rect};
 use crate::similarity::{Backend, CutTable, Scorer, Table};
 
-/// The quality of a target, which [`Target::lock`](crate::Target::lock) returns: its difference from itself, shifted.
+/// The quality of a target, which [`Target::lock`](crate::Target::lock) returns: its difference from a shifted copy.
 ///
 /// quality = 1 - max(ratio(w / 4, 0), ratio(0, h / 4)), in units of 1/65535
 ///
@@ -56,7 +56,7 @@ impl Quality {
     }
 }
 
-/// The similarity matching ratio of a patch and itself shifted; 65535 if they do not overlap.
+/// The similarity matching ratio of a patch and its shifted copy; 65535 if they do not overlap.
 fn ratio(patch: Image<'_>, (right, down): (u16, u16), scorer: &Scorer<'_>) -> u16 {
     let (width, height) = (patch.width() - right, patch.height() - down);
     let moved = patch.crop(Rect::new(right.into(), down.into(), width, height));

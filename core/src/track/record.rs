@@ -134,7 +134,7 @@ impl Tag {
     }
 }
 
-/// A target that can be recorded: that of either tracker. [`Settings::of_numbers`] restores its configuration.
+/// A target of either tracker, which a `Recorder` can record. [`Settings::of_numbers`] restores its configuration.
 pub trait Recorded: Target<Config: Settings> {
     /// The letter of the tracker in a record, `P` or `R`.
     const TRACKER: u8 = <Self::Config as Numbers>::KIND as u8;
@@ -142,8 +142,8 @@ pub trait Recorded: Target<Config: Settings> {
 
 impl<T: Target<Config: Settings>> Recorded for T {}
 
-/// Writes a record; see the [module](self). Each call writes one entry, in chunks of a row of pixels, a saved target,
-/// or at most 64 bytes. After an error of the writer, later calls write nothing, so that nothing follows half an entry.
+/// Writes a record; see the [module](self). Each call writes one entry in chunks: a row of pixels, a saved target, or
+/// at most 64 bytes. After an error of the writer, later calls write nothing, so that nothing follows half an entry.
 pub struct Recorder<W> {
     write: W,
     entries: u32,
@@ -329,7 +329,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
         self.hold(bytes);
     }
 
-    /// Adds bytes that are not part of the checksum.
+    /// Buffers or writes bytes, without adding them to the checksum.
     fn hold(&mut self, bytes: &[u8]) {
         if bytes.len() > HELD - self.used.min(HELD) {
             self.flush();
@@ -388,7 +388,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
     }
 }
 
-/// Writes to the log of defmt. `host-sim replay` finds the lines in the printed log among all others.
+/// Writes to the log of defmt. `host-sim replay` finds the lines of the record in the printed log.
 ///
 /// ```rust,ignore
 /// let Ok(mut recorder) = Recorder::begin(tracker.target(), to_defmt);

@@ -15,7 +15,7 @@ pub struct Setting {
     pub lowest: u16,
     /// The highest value.
     pub highest: u16,
-    /// The count of reserved values, always 1, that precede the setting in a record.
+    /// The count of reserved values that precede the setting in a record. Each reserved value is 1.
     pub(super) reserved_before: usize,
 }
 
@@ -107,7 +107,7 @@ pub trait Settings: Numbers {
     /// A description of each setting, in one or two sentences.
     const TEXTS: &'static [&'static str];
 
-    /// Sets a setting by its name. [`Target::with`](crate::Target::with) compares it with other settings.
+    /// Sets a setting by its name. [`Target::with`](crate::Target::with) later checks it against other settings.
     ///
     /// # Errors
     /// [`ConfigError::UnknownSetting`], [`ConfigError::WrongCount`] or [`ConfigError::OutOfRange`]; nothing is changed.
@@ -129,7 +129,7 @@ pub trait Settings: Numbers {
         Some(values)
     }
 
-    /// Restores a configuration from its values in a [record](crate::record), without the entries of the table.
+    /// Restores a configuration from `table` and from its other values in a [record](crate::record).
     ///
     /// # Errors
     /// [`ConfigError`] if the values are not those of a valid configuration.
@@ -170,7 +170,7 @@ const RESERVED_NAME: &str = "parts";
 pub trait Numbers: Copy + Default {
     type Array: AsRef<[u16]> + AsMut<[u16]>;
     const COUNT: usize;
-    /// The count of values in a record whose last value is 0, because that value is left out.
+    /// The count of values in a record that leaves out the last value, because it is 0.
     const LEAST: usize;
     /// The name of the setting that each value belongs to.
     const NAMES: &'static [&'static str];

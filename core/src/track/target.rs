@@ -94,7 +94,7 @@ pub trait Target: Steps {
     /// The configuration in use.
     fn config(&self) -> &Self::Config;
 
-    /// The pixels that [`Target::lock`] reads for `bbox` in a frame of size `bounds`; empty if it cannot be locked.
+    /// The pixels that [`Target::lock`] reads for `bbox` in a frame of size `bounds`; empty if `bbox` cannot be locked.
     fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect;
 
     /// Starts to follow the target in `bbox` and forgets the previous target. Returns how distinct the new one is.
@@ -136,7 +136,7 @@ pub trait Target: Steps {
     fn saved_size(&self) -> Result<usize, SaveError>;
 
     /// Writes the target into `bytes` and returns the number of bytes written, [`Target::saved_size`]. The bytes are
-    /// the same on every platform: templates, track, and the configuration's values to compare with.
+    /// the same on every platform: templates, track, and the configuration's values, which `restore` compares.
     ///
     /// # Errors
     /// [`SaveError`]. `bytes` are then unchanged.

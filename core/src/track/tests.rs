@@ -244,7 +244,7 @@ static OTHER_TABLE: Table = match Table::new(100) {
     Err(_) => panic!("in range"),
 };
 
-/// Changes each value by the name of its setting. A record keeps the change; a target saved before is refused by name.
+/// Changes each value by its setting's name. A record keeps the change. An older saved target is refused by that name.
 fn settings_have_names<T: Target<Config: Settings + Debug + PartialEq>>(config: T::Config) {
     let bytes = saved(of_scene::<T>(config).target());
     let refusal = |config| T::with(config).unwrap().restore(&bytes).unwrap_err();

@@ -146,8 +146,8 @@ impl<T: Target> Tracker<T> {
     }
 
     /// Locks in steps of bounded work: begins a lock, or continues one with the same `bbox` and frame size. The pixels
-    /// must be the same in every step. `None` while work remains: there is no target until then, because the first step
-    /// forgets the previous one. Units: see [`Tracker::update_step`]. [`Paper`](crate::Paper) needs one step.
+    /// must be the same in every step. `None` while work remains. The first step forgets the old target, so there is no
+    /// target until the lock is done. Units: see [`Tracker::update_step`]. [`Paper`](crate::Paper) needs one step.
     ///
     /// # Errors
     /// [`LockError`]. The target and the lock under way are then unchanged.
@@ -219,9 +219,9 @@ impl<T: Target> Tracker<T> {
         Ok(done.then(|| calls::commit(target, workspace, frame)))
     }
 
-    /// Repeats [`Tracker::update_step`] until `expired` returns true, for a deadline in time. It is late by at most one
-    /// step of 10,000 units of work (for [`Robust`](crate::Robust) with its excess 140,000). After `None`, continue
-    /// with the same frame in the next period: `update_step_until(&frame, || Instant::now() >= end)?`.
+    /// Repeats [`Tracker::update_step`] until `expired` returns true, for a deadline in time. Returns late by at most
+    /// one step of 10,000 units of work (up to 140,000 for [`Robust`](crate::Robust)). After `None`, continue with the
+    /// same frame in the next period: `update_step_until(&frame, || Instant::now() >= end)?`.
     ///
     /// # Errors
     /// As [`Tracker::update_step`].

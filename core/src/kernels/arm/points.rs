@@ -15,8 +15,8 @@ pub(crate) struct Points {
     pub(super) largest: u8,
     /// A pixel of similarity p has at least p * `rate` / 2^24 points. 0 disables the bound.
     rate: u32,
-    /// The largest integer c with p(d) <= 65535 - c * d for every difference d below the threshold, whatever the table.
-    /// (For exp the largest d decides: its chord from p(0) is the flattest.) Stored, because division is slow.
+    /// The largest integer c such that the similarity p(d) is at most 65535 - c * d for every difference d below the
+    /// threshold. (For exp the largest d decides: its chord from p(0) is the flattest.) Stored: division is slow.
     chord: u32,
 }
 
@@ -57,8 +57,8 @@ impl Points {
         (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
     }
 
-    /// Margins of four offsets before the first row: the most points that the rows can have, minus those needed. A
-    /// loop subtracts the points that pixels lack. A negative offset is excluded; one not `wanted` starts negative.
+    /// Margins of four offsets before the first row: the maximum of the points, minus the points needed. A loop
+    /// subtracts the points that pixels lack. A negative margin excludes its offset, from the start if not `wanted`.
     #[inline(always)]
     pub(super) fn initial_margins(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
         let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();

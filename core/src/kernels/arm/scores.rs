@@ -15,21 +15,21 @@ use core::marker::PhantomData;
 
 /// Loops of an instruction set over the pixels of two pictures with at least `NARROWEST` columns.
 pub(crate) trait Loops {
-    /// The fewest columns of a picture. If it is more than one, words are filled up with equal pixels, and the first
-    /// entry of the table must be [`ONE`].
+    /// Minimum width of a picture in columns. If it is more than one, the loops fill words up with equal pixels, so the
+    /// first entry of the table must be [`ONE`].
     const NARROWEST: usize;
-    /// (rows, 256 entries, floor): the score if it is at least `floor`, else any number below it.
+    /// Maps (rows, 256 table entries, floor) to the score if it is at least `floor`, else to any number below `floor`.
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32;
-    /// (rows, enough): the sum of absolute differences. It may stop once that exceeds `enough`.
+    /// Maps (rows, enough) to the sum of absolute differences. The loop may stop once the sum exceeds `enough`.
     const DISTANCE: unsafe fn(&Rows, u32) -> u32;
-    /// (rows, allowed): the number of template pixels outside their ranges. It may stop once that exceeds `allowed`.
-    /// The patch holds the lower ends of the ranges, its upper bound the lengths; both have the same stride.
+    /// Maps (rows, allowed) to the number of template pixels outside their ranges. May stop once it exceeds `allowed`.
+    /// `Rows::patch` holds the lower ends of the ranges, `Rows::high` the lengths, with the same stride.
     const OUTSIDE_RANGES: unsafe fn(&Rows, u32) -> u32;
-    /// (rows, constants, needed, wanted): the points (`points.rs`) of four offsets minus `needed`. Negative only if an
-    /// offset has fewer points or is not wanted. The patch has three more columns than the template.
+    /// Maps (rows, constants, needed, wanted) to the points (`points.rs`) of four offsets minus `needed`. Negative only
+    /// for offsets that have fewer points or are not wanted. The patch has three more columns than the template.
     const POINT_MARGINS: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS];
-    /// (rows, margin, low, lengths): computes the lower ends and the lengths of the ranges of 4x4 blocks, widened by a
-    /// margin on both sides. Does nothing if there are fewer blocks than `NARROWEST`.
+    /// Takes (rows, margin, low, lengths). Computes the lower ends and the lengths of the pixel ranges of 4x4 blocks,
+    /// widened by `margin` on both sides. Does nothing if there are fewer blocks than `NARROWEST`.
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]);
 }
 
@@ -118,7 +118,7 @@ fn narrow_distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     plain::distance(patch, template, enough)
 }
 
-/// Number of 4x4 blocks, one for each column, in the four rows and with room in `low` and `high`.
+/// Number of 4x4 blocks, one for each column, that the four rows contain and that fit in `low` and `high`.
 #[inline]
 pub(crate) fn blocks(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) -> usize {
     rows.iter().fold(low.len().min(high.len()), |blocks, row| blocks.min(row.len().saturating_sub(3)))

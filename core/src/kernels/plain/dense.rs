@@ -51,7 +51,7 @@ pub(crate) fn shifted(sum: i32, shift: u32) -> i8 {
     i8::try_from((sum >> shift).max(0)).unwrap_or(i8::MAX)
 }
 
-/// [`outputs_inline`] as one copy, which saves flash. The unnamed scratch memory serves other backends.
+/// [`outputs_inline`] as one copy, which saves flash. The argument without a name is scratch memory of other backends.
 #[inline(never)]
 pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], _: &mut [i8], out: &mut [i8]) {
     outputs_inline(layer, patches, out);

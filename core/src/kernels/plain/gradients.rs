@@ -9,7 +9,7 @@ use super::super::unrolling::rolled;
 
 const BINS: usize = 9;
 
-/// (cos, sin) / sin 20 degrees of the directions 0, 20, ... 100 degrees, in units of 1/256. The others mirror these.
+/// (cos, sin) / sin 20 degrees of the directions 0, 20, ... 100 degrees, in units of 1/256. All others mirror these.
 pub(crate) const DIRECTIONS: [(i32, i32); 6] = [(748, 0), (703, 256), (573, 481), (374, 648), (130, 737), (-130, 737)];
 
 /// Channel sums of a cell: votes for nine directions in units of 1/4 gray level, and the sum of gray levels.
@@ -52,9 +52,9 @@ impl Sectors {
     /// Computes the channel sums of the cell: the votes of all gradients, and the gray levels.
     #[inline(always)]
     pub(crate) fn sums(&self, gray: u16) -> Sums {
-        // A gradient votes for the next direction by its distance beyond the previous one, and for the previous
-        // direction by its distance short of the next one (negative here). a and b are distances beyond, c and d short;
-        // a and c of sectors, b and d of mirrored ones. The digit is the direction with the vote.
+        // A gradient between two directions votes for the upper one by its distance beyond the lower one, and for the
+        // lower one by its distance short of the upper one (negative here). a and b are distances beyond, c and d
+        // short: a and c in sectors, b and d in mirrored sectors. The digit is the direction with the vote.
         let beyond = |number: usize, direction| {
             self.0.map(|sectors| distance(sectors.get(number).copied().unwrap_or(0), direction))
         };
@@ -85,7 +85,7 @@ fn distance(sum: u32, (cos, sin): (i32, i32)) -> i32 {
     cos * (sum & 0xFFFF).cast_signed() - sin * (sum >> 16).cast_signed()
 }
 
-/// The channel sums of a cell (votes and gray levels), whose left neighbour is column `at`.
+/// The channel sums (votes and gray levels) of the cell whose left neighbour is column `at`.
 #[inline(always)]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
     sectors(lines, at).sums(gray(lines, at))
@@ -172,8 +172,8 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Replaces the energies in `columns` (sums of three cells) by `of(norm)`. The norm of a cell is the root of 64 times
-/// the mean energy of the 3x3 cells around it, of which `rows` rows exist. There are at least two columns.
+/// Replaces the energies in `columns` (sums of three cells in a column) by `of(norm)`. The norm of a cell is the root
+/// of 64 times the mean energy of the 3x3 cells around it, of which `rows` rows exist. There are at least two columns.
 #[inline(always)]
 pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
     debug_assert!(columns.len() != 1);
@@ -195,7 +195,7 @@ fn mean(energy: u32, cells: u32) -> u32 {
 
 /// `energy / cells` for up to nine cells and an energy below 2^30, ten bits at a time.
 pub(crate) fn mean_by_parts(energy: u32, cells: u32) -> u32 {
-    // 2^16 / cells, rounded up. A remainder and ten bits, times this and shifted right by 16, are the exact quotient.
+    // 2^16 / cells, rounded up. A remainder and ten more bits, times this, shifted right by 16, is the exact quotient.
     const INVERSES: [u32; 10] = [0, 65_536, 32_768, 21_846, 16_384, 13_108, 10_923, 9363, 8192, 7282];
     let inverse = usize::try_from(cells).ok().and_then(|cells| INVERSES.get(cells)).copied().unwrap_or(0);
     let (mut rest, mut mean) = (0, 0);

@@ -17,7 +17,7 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     [deviation, clipped]
 }
 
-/// The most pixels whose deviations fit in 16 bits: 257 * 255 = 65535.
+/// Maximum number of pixels whose deviations have a sum of 16 bits: 257 * 255 = 65535.
 const PART: usize = 257;
 
 /// Copies `new` over `old`. Returns the maximum of `largest` and the absolute differences of the pixels.

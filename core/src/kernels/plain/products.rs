@@ -72,7 +72,7 @@ pub(crate) const TAKES_ROWS_OF_CELLS: bool = false;
 /// Number of pieces of work of [`gather`]. `None`: the same number as [`responses`] has.
 pub(crate) const GATHER_PIECES: Option<usize> = None;
 
-/// [`responses_inline`] as one copy, which saves flash. The unnamed scratch memory serves other backends.
+/// [`responses_inline`] as one copy, which saves flash. Arguments without a name are scratch memory of other backends.
 #[inline(never)]
 pub(crate) fn responses<const N: usize>(
     pieces: Range<usize>,

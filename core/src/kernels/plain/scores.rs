@@ -44,7 +44,7 @@ impl Scores for Plain<'_> {
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     if cfg!(any(smr_dsp, smr_helium)) {
-        // Hardly ever runs on this target, so it shares the code of the bound: with equal bounds, that is the score.
+        // Hardly ever runs on this target, so it shares code with the bound, which is the score if `low` equals `high`.
         return score_between_at_least(patch, patch, template, table, floor);
     }
     let mut reachable = most(patch, template);
@@ -141,7 +141,7 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
-/// The score of the pixels of `template` on the zero padding. `seen` is its part on the frame, or empty.
+/// The score of the pixels of `template` on the zero padding. `seen`, perhaps empty, is the rectangle on the frame.
 #[cfg(smr_swar)]
 #[must_use]
 #[cfg_attr(smr_small, inline(never))]

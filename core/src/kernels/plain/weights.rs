@@ -12,7 +12,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     rolled_if_rare(weights.iter().zip(sums)).map(size).max().unwrap_or(0)
 }
 
-/// Quantises each [`number`]: divides by `2^shift` and rounds. The caller chooses `shift` so that it fits in 16 bits.
+/// Quantises each [`number`]: divides by `2^shift` and rounds. The caller chooses `shift` so that 16 bits suffice.
 #[inline(always)]
 pub(crate) fn coded(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32) -> impl Iterator<Item = i16> {
     // Rounds by the last bit shifted out, because adding half of the divisor could overflow.

@@ -212,7 +212,7 @@ pub(crate) fn gather<const N: usize>(
 }
 
 impl Slide<i16> {
-    /// Adds to `sums[i]` the products of all rows of factors with the numbers from `i` on. `total` sums the factors.
+    /// Adds to `sums[i]` the products of all rows of factors with the numbers from `i` on. `total` is the factors' sum.
     ///
     /// # Safety
     /// `count` factors and `count + sums.len() - 1` numbers of each row can be read. Neither `count` nor `rows` is 0.

@@ -29,15 +29,15 @@ const LANES: usize = 4;
 const LOWER: u32 = 0x7F7F_7F7F;
 const TOP: u32 = !LOWER;
 
-/// Pixels in an iteration of the loops over bytes. On Cortex-M0+ they hardly ever run, and fewer take less flash.
+/// Pixels in an iteration of the loops over bytes. On Cortex-M0+, where these loops hardly ever run, 4 save flash.
 const UNROLLED: usize = if cfg!(target_arch = "arm") { 4 } else { 8 };
 
-/// The most words in a row, because each byte of a sum grows by at most 1 for each word.
+/// Maximum number of words in a row: each word adds at most 1 to each byte of a sum, which holds up to 255.
 const MOST_WORDS: usize = 255;
 
 pub(crate) struct Swar<'a> {
     plain: Plain<'a>,
-    /// Half the threshold, in each byte. It is compared with the upper seven bits of differences.
+    /// Half the threshold, in each byte. It widens ranges, which consist of the upper seven bits of pixels.
     threshold: u32,
     #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
     fours: Effort,
@@ -185,7 +185,7 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
     sums
 }
 
-/// The scores of a row at four neighbouring offsets, for Armv6-M. Only `add` works on the high registers of the sums.
+/// The scores of a row at four neighbouring offsets, for Armv6-M. Sums are in high registers: only `add` works there.
 ///
 /// # Safety
 /// `width` pixels can be read at `g`, and three more at `f`.
@@ -368,7 +368,7 @@ fn words_mut(bytes: &mut [u8]) -> &mut [u32] {
     }
 }
 
-/// Reads a row that begins at any address word by word. Zeroes follow its end.
+/// Reads a row word by word, from any address. Zeroes follow the end of the row.
 struct Words<'a> {
     aligned: slice::Iter<'a, u32>,
     /// The bytes after the aligned words.
@@ -414,15 +414,15 @@ fn joined(bytes: &[u8]) -> u32 {
     rolled(bytes.iter().rev()).fold(0, |word, &byte| word << 8 | u32::from(byte))
 }
 
-/// Upper bound of the score of every patch with pixels in the ranges `blocks`; `None` if it is below `floor`. Takes
-/// pixels inside their ranges as fully similar, and also rows whose words reach beyond the template: at most the first
-/// and the last one of templates that have at least seven columns.
+/// Upper bound of the score of every patch with pixels in the ranges `blocks`; `None` if it is below `floor`. Pixels
+/// inside their ranges count as fully similar. So do rows whose words reach beyond the template: at most the first and
+/// the last row of a template with at least seven columns.
 #[inline(never)]
 fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
     let (width, height) = (usize::from(template.width()), usize::from(template.height()));
     let full = plain::full(width * height);
     let allowed = full.checked_sub(floor)?;
-    // Ranges in the first word that lie left of the template.
+    // Number of ranges in the first word that lie left of the template.
     let skipped = blocks.start % LANES;
     let count = (skipped + width).div_ceil(LANES);
     let from = blocks.start - skipped;

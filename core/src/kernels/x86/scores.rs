@@ -24,11 +24,11 @@ pub(super) trait Shuffle: Neighbours {
 /// Table entries that one shuffle looks up.
 pub(super) const SEGMENT: usize = 16;
 
-/// Segments in a half of the table: 128 entries, which the top bit of an index separates from the others.
+/// Segments in each half of the table. The top bit of an index selects one of the halves, which have 128 entries.
 const SEGMENTS_A_HALF: usize = 8;
 
-/// Table segments for shuffles. In each half of the table, segments after the first are stored as their xor with the
-/// one before. For an index in segment k, the xor of the shuffles of the segments up to k is the entry.
+/// Table segments for shuffles. In each half of the table, every segment after the first is stored as its xor with the
+/// segment before. For an index in segment k, the xor of the shuffles of the segments up to k is the entry.
 pub(crate) type Lookup<V> = generic::Lookup<V, SEGMENT, 16>;
 
 impl<V> Lookup<V> {
@@ -118,8 +118,8 @@ impl<V: Shuffle, const SEGMENTS: usize> LookUp for Planes<V, SEGMENTS> {
     }
 }
 
-/// Mask of the lanes of a row narrower than a vector, each pixel once. Its two loads may overlap; there only one
-/// counts.
+/// Mask of the lanes of a row narrower than a vector. Two loads of the row may overlap; the mask includes each pixel
+/// once.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
@@ -136,7 +136,7 @@ pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::is_above(V::load(lanes.as_ptr()), V::splat(31 - new)) }
 }
 
-/// Operand of [`narrow_lanes`]: 127 in `first` lanes (always valid), `second` numbers up to 31, then 0 (never valid).
+/// Operand of [`narrow_lanes`]: 127 in `first` lanes (always valid), up to 31 in `second` lanes, then 0 (never valid).
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];
@@ -160,7 +160,7 @@ pub(super) fn narrow(row: &[u8]) -> __m128i {
             (Some(&first), Some(&last)) => {
                 i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32
             }
-            // Fewer than four pixels: shifts them in from the top of four bytes, so that the last pixel is included.
+            // Fewer than four pixels: puts them into the last of four bytes, which the mask marks.
             _ => i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)),
         };
         _mm_set_epi64x(0, both)

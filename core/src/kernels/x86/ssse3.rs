@@ -1,4 +1,4 @@
-//! SSSE3 (Intel since 2006, AMD since 2011): 16 pixels in a vector. The compiler vectorizes other plain loops by SSE2.
+//! SSSE3 (Intel since 2006, AMD since 2011): 16 pixels in a vector. The compiler vectorizes all other kernels by SSE2.
 
 use super::scores::{self, SEGMENT, Shuffle, narrow, narrow_lanes};
 use crate::kernels::generic::{self, Neighbours, Vector, intrinsics, scores};

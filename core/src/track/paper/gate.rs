@@ -21,7 +21,7 @@ impl Track {
         stands_out && ratio(peak, self.target.area()) >= config.least_ratio
     }
 
-    /// The goal of a search that lets the gate decide whether the target enters `state`.
+    /// The result that the gate needs from a search, to decide whether the target enters `state`.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
         let ratio = self.ratio(state, config);
@@ -33,7 +33,7 @@ impl Track {
         }
     }
 
-    /// True if the gate's decision on `peak` needs more than the finished search was asked for.
+    /// True if the gate's decision on `peak` needs a second search, for the runner-up.
     pub(super) fn needs_second_search(&self, peak: &Peak, config: &Config) -> bool {
         match (self.wanted(State::Tracking, config), self.wanted(self.at(peak).1, config)) {
             (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
@@ -66,7 +66,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 }
 
-/// Yields for each state of a target: (the runner-up is searched from the start, it may be searched afterwards).
+/// Yields for each state of a target: (the first search includes the runner-up, a second search for it may follow).
 pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
     let bounds = Rect::new(0, 0, 1, 1);
     let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];

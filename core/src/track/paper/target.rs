@@ -1,4 +1,4 @@
-//! The target of the paper's tracker and its calls. An update: window, search, gate, template, answer.
+//! The target of the paper's tracker and its calls. The stages of an update: window, search, gate, template, answer.
 
 use super::config::Config;
 use super::gate::{ratio, searches};
@@ -285,7 +285,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 }
 
-/// Stands for the result of a search in an empty window, which does not exist.
+/// Stands for the result of a search in an empty window. Windows are never empty.
 const NOTHING: Peaks = Peaks { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };
 
 /// Scratch memory for updates of any number of targets, one at a time: `PIXELS + 20 * SPAN` bytes, and a table.

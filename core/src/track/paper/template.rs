@@ -40,7 +40,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
         (self.width, self.height, self.threshold) = (width, height, threshold);
     }
 
-    /// Appends pixels, which fit.
+    /// Appends `pixels`. The callers have checked that the template stays within `PIXELS` pixels.
     #[cfg_attr(smr_small, inline(never))]
     fn append(&mut self, pixels: &[u8]) {
         if cfg!(target_os = "none") {

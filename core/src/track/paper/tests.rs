@@ -90,7 +90,7 @@ fn the_most_work_is_nearly_done() {
     // All blocks of 4x4 pixels have the same range. The template lies within it, but no pixel matches.
     let of = |level: fn(i32, i32) -> u8| Picture::of(160, 120, level);
     let stripes = [of(|_, _| 150), of(|x, y| if (x + y) % 2 == 0 { 100 } else { 200 })];
-    // One pixel of eight matches at every offset, so the bound of each group of offsets falls exactly to their score.
+    // One pixel of eight matches at every offset, so all offsets have the same score, which each group's bound reaches.
     let dots = [of(|x, y| if (x + y) % 8 == 0 { 150 } else { 250 }), of(|_, _| 150)];
     let mut closest = 0.0_f64;
     for (radius, pruning, runner_up_always) in
@@ -225,7 +225,7 @@ fn a_box_partly_outside_the_frame_may_have_no_contrast() {
     let mut tracker = Small::with(config).unwrap();
     let board = Picture::of(64, 48, |x, _| if x < 8 && x % 2 == 0 { 90 } else { 10 });
     tracker.lock(&board.frame(), Rect::new(0, 20, 12, 12)).unwrap();
-    // White matches nothing; the black padding matches most of the target.
+    // The black padding is more similar to the target than white, so the peak lies partly in the padding.
     let white = plain_but(255, |_| 255);
     assert_eq!(tracker.update(&white.frame()).unwrap().state, State::Leaving);
 }

@@ -8,12 +8,12 @@ use crate::track::saved::Reader;
 use crate::track::{Answer, Settings, State};
 use core::{fmt, mem};
 
-/// The entries of a table of similarities, and an upper bound of the other values of a configuration.
+/// The count of entries of a table of similarities, and an upper bound of the count of a configuration's other values.
 const TABLE: usize = 256;
 const MOST: usize = 32;
 
-/// The entries of `record`, in their order. Skips bytes that are no entry: before an `SMRB`, because restarted firmware
-/// appends to a truncated record, and at the end. See [`Entries::cut_off`]. The [module](super) has an example.
+/// The entries of `record`, in their order. Skips bytes that are no entry, at the end or before an `SMRB` (begin):
+/// restarted firmware appends to a truncated record. See [`Entries::cut_off`]. The [module](super) has an example.
 #[must_use]
 pub const fn entries(record: &[u8]) -> Entries<'_> {
     Entries { record, at: 0, next: 0, cut_off: 0 }
@@ -164,7 +164,7 @@ impl fmt::Display for Damage {
 impl core::error::Error for Damage {}
 
 impl Entries<'_> {
-    /// The number of bytes before the last entry, or at the end of the record, that belong to no entry.
+    /// The number of bytes that belong to no entry, before the last returned entry or at the end of the record.
     #[must_use]
     pub const fn cut_off(&self) -> usize {
         self.cut_off

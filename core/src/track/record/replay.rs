@@ -98,7 +98,7 @@ pub fn replay<T: Recorded>(
     Ok(replayed)
 }
 
-/// Replays single entries: [`replay`], for a caller that needs to see each.
+/// Replays single entries, for a caller that needs to see each of them. [`replay`] replays all entries of a record.
 #[derive(Debug)]
 pub struct Player<'a, T: Target> {
     rest: T::Config,

@@ -137,7 +137,7 @@ fn at_most(most: u32, target: Rect) -> Rect {
 struct Way {
     /// The work granted to each step.
     grant: u32,
-    /// If set, each step lasts until a deadline, which expires at this many checks.
+    /// If set, each step lasts until a deadline. The deadline expires at its check of this number, counted from 1.
     until: Option<u32>,
     /// Only the windows that the tracker reads are in memory.
     part: bool,
@@ -147,7 +147,7 @@ struct Way {
     shared: bool,
     /// A turn of the camera that both trackers are told.
     turn: Option<(i32, i32)>,
-    /// A call does this part in 256 of its work, and is ended by the call of this index; true: a lock, not an update.
+    /// An interrupted call: (work done, in 1/256; index of the call that ends it; true for a lock, else an update).
     interrupted: Option<(u32, usize, bool)>,
 }
 
@@ -166,7 +166,7 @@ prop_compose! {
 /// The parameters and checks of a tracker under test.
 pub(super) trait Filmed: Target<Config: Debug> {
     const FILMS: u32;
-    /// The most pixels of a target.
+    /// The largest number of pixels of a target.
     const PIXELS: u32;
 
     fn configs() -> BoxedStrategy<Self::Config>;
@@ -442,7 +442,7 @@ pub(super) fn promises_hold_in_films<T: Filmed>(_: T::Config) {
     ran.unwrap();
 }
 
-/// The smallest, the longest and the largest frames and boxes: the target, noise, black, white, and the target again.
+/// Tests the smallest, longest and largest frames and boxes. Films show target, noise, black, white, noise, target.
 pub(super) fn promises_hold_at_the_edges<T: Filmed>(config: T::Config) {
     for (size, target) in [
         ((1, 1), Rect::new(0, 0, 1, 1)),

@@ -1,5 +1,5 @@
-//! Upper bounds of scores by the DSP extension, which exclude offsets: points (255 - difference, summed) of four
-//! neighbouring offsets, and template pixels beyond the threshold at every offset of a 4x4 group.
+//! Upper bounds of scores, to exclude offsets, by the DSP extension. One sums the points (255 - difference) of four
+//! neighbouring offsets. The other counts the template pixels beyond the threshold at every offset of a 4x4 group.
 //!
 //! Both take seven instructions for four pixels. The score itself takes 17: two loads, three for the difference, four
 //! to extract bytes, four table loads and four additions.
@@ -65,7 +65,7 @@ macro_rules! points_of_word {
 /// The template has at least four columns, the patch as many and three more.
 #[inline(never)]
 pub(super) unsafe fn point_margins(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
-    // Here `skipped_bits` is a mask: 255 in the bytes of the last word that have been counted before.
+    // Here `skipped_bits` is a mask: 255 in the bytes of the last word that also belong to a whole word.
     let mut row = Row::of(pair);
     row.skipped_bits = u32::MAX >> (8 * (pair.width % LANES));
     let memory = Memory { row, words: words(pair), own: Points::of_row(pair) as usize };
@@ -155,7 +155,7 @@ macro_rules! outside_word {
 #[inline(never)]
 pub(super) unsafe fn outside_ranges(pair: &Rows, allowed: u32) -> u32 {
     let mut memory = Memory { row: Row::of(pair), words: words(pair), own: entry_offset(pair, CODE_OF_A_WORD) };
-    // Start of a count that reaches 0 once more than `allowed` pixels, of at most 65537, are outside.
+    // Start of a count that reaches 0 once more than `allowed` (of at most 65537) pixels are outside.
     let start = !allowed.cast_signed();
     let mut sum = start;
     // SAFETY: only words within a row are read. Nothing but `memory` is written.

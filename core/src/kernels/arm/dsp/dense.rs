@@ -151,7 +151,7 @@ impl RemainingOutputs {
                 "cmp r11, lr",
                 "bne 2b",
                 "b 6f",
-                // Two patches, eight inputs an iteration. An odd multiple of four inputs enters in its middle.
+                // Two patches, eight inputs in a round. An odd multiple of four inputs enters the loop in its middle.
                 "3:",
                 "lsls r4, r12, #29",
                 "bmi 5f",
@@ -184,7 +184,7 @@ impl RemainingOutputs {
                 "ble 1b",
                 "cmp r4, #2",
                 "beq 7f",
-                // One output is left: goes back to the last two.
+                // One output is left: goes back, and computes the last two of the row together.
                 "ldr r7, [r6]",
                 "subs r7, #4",
                 "str r7, [r6]",

@@ -19,7 +19,7 @@ use core::ops::Range;
 
 /// Bytes from an offset to the next one: the features of a cell.
 const STEP: usize = CHANNELS;
-/// The fewest factors in a row that the assembly supports.
+/// Minimum number of factors in a row that the assembly supports.
 const LEAST: usize = 4;
 const PAIRS: usize = STEP / 2;
 const WORD: usize = size_of::<i32>();
@@ -85,8 +85,8 @@ impl Rows for Unpacked {
     }
 }
 
-/// Unpacks a row of `width` cells to pairs of channels: row `first`, minus row `second` if there is one. One pair of
-/// all cells follows the other: the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and 9.
+/// Unpacks a row of `width` cells to pairs of channels: row `first`, minus row `second` if there is one. Writes each
+/// pair for all cells before the next pair: the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and 9.
 ///
 /// # Safety
 /// `width` cells of ten bytes can be read from `first` and `second`, and five words for each written. `width` is not 0.
@@ -274,7 +274,7 @@ pub(crate) fn gather<const N: usize>(
                 }
             }
         }
-        // Replaces rows below the last by the last: `both` adds its products, `upper` and `lower` subtract them again.
+        // Below the last row of cells, that row is read: `both` adds its products, `upper` and `lower` subtract them.
         let channel_of = |row: usize| cells.as_ptr().wrapping_add(row.min(down + span - 2) * stride + channel);
         for number in 0..(rows + offsets) / 2 {
             let of = |row| channel_of(4 * number + row);
@@ -333,8 +333,8 @@ macro_rules! add {
     };
 }
 
-/// Defines a function that adds products to n sums, four factors at a time. It decrements its counter after its first
-/// load, where a product would wait. One to three extra factors come first, then the numbers are reloaded.
+/// Defines a function that adds products to n sums, four factors at a time. It decrements its counter after the first
+/// load, for which a product would wait. One to three extra factors come first, then the numbers are reloaded.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {
@@ -412,7 +412,7 @@ macro_rules! two {
     };
 }
 
-/// Adds the products of two factors to four sums. Registers a, b, c hold the numbers before, and c, d, a after.
+/// Adds the products of two factors to four sums. Registers a, b, c hold numbers on entry, and c, d, a on exit.
 macro_rules! four {
     ($a:literal $b:literal $c:literal $d:literal $move:literal; $between:expr) => {
         concat!(
@@ -425,7 +425,7 @@ macro_rules! four {
     };
 }
 
-/// Adds the products of two factors to five sums. Registers a to d hold the numbers before, and c, d, a, b after.
+/// Adds the products of two factors to five sums. Registers a to d hold numbers on entry, and c, d, a, b on exit.
 macro_rules! five {
     ($a:literal $b:literal $c:literal $d:literal $move:literal; $between:expr) => {
         concat!(

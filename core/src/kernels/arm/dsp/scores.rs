@@ -126,7 +126,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
             words = in(reg) words(pair),
             row = in(reg) &raw const row,
             entries = in(reg) entries,
-            // The largest possible score, including the score of the zeroes that are shifted in.
+            // The largest possible score of a row, including the score of the zeroes that are shifted in.
             full = in(reg) plain::full(pair.width.next_multiple_of(LANES)),
             floor = in(reg) floor,
             reachable = inout(reg) reachable,
@@ -153,7 +153,7 @@ unsafe fn distance(pair: &Rows, enough: u32) -> u32 {
     sum.wrapping_sub(start).cast_unsigned()
 }
 
-/// Assembly of the unrolled loop, without `.irp`: the compiler estimates jump distances from the number of lines.
+/// Assembly of the unrolled loop. No `.irp`, because the compiler estimates jump distances by the number of lines.
 macro_rules! distance_of_words {
     ($($offset:literal)*) => {
         concat!($(
@@ -241,7 +241,7 @@ macro_rules! of_four_rows {
     };
 }
 
-/// The smallest or the largest pixel of each of four columns and the next three. `$next` holds the next four columns.
+/// For each of four columns, the minimum or maximum of it and the next three. `$next` holds the next four columns.
 macro_rules! of_four_columns {
     ($what:ident, $first:literal, $next:literal) => {
         concat!(

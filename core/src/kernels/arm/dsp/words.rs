@@ -43,7 +43,7 @@ pub(super) fn words(pair: &Rows) -> usize {
     pair.width - pair.width % LANES
 }
 
-/// Byte offset at which the loop over a row, unrolled to four words, is entered: the first round may have fewer words.
+/// Byte offset in the code at which the loop over a row, unrolled to four words, is entered, for a shorter first round.
 /// `bytes` is the code size of a word.
 #[inline(always)]
 pub(super) fn entry_offset(pair: &Rows, bytes: usize) -> usize {

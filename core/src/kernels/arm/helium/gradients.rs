@@ -20,13 +20,13 @@ static TABLES: Tables = Tables(
         [191; 16],
         [79; 16],
         [105; 16],
-        // The index of a sector plus that of its mirror image. Then the offset of each pixel in `Memory::pixels`.
+        // The index of a sector plus the index of its mirror image. Next row: byte offsets in `Memory::pixels`.
         [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
         [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
     ],
 );
 /// Factors of the vote for each direction, in the order 5 to 8, then 0 to 4. A vote takes two neighbouring entries of
-/// `Memory::sectors`, with two factors each: of the packed number |y| + 65,536 |x|, and of |x|.
+/// `Memory::sectors`, each with two factors: one for the packed number |y| + 65,536 |x|, and one for |x|.
 static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
     const fn distance(beyond: bool, (cos, sin): (i32, i32)) -> [i32; 2] {
         if beyond { [cos, -sin - (cos << 16)] } else { [-cos, sin + (cos << 16)] }
@@ -49,9 +49,9 @@ static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
 #[repr(C, align(4))]
 #[allow(dead_code)] // the assembly reads it
 struct Memory {
-    /// Gradients of a pixel row of four cells: |y|, |x| of the first pixels, the sector indices; then the next pixels.
+    /// Gradients of a row of pixels: `[pixel of a cell][kind][cell][byte]`. Kind 0: |y|, |x|. Kind 1: sector index, 0.
     pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
-    /// Sums of |y| and |x| in the mirrored sectors 4 to 0, then the sectors 0 to 4: neighbours share a direction.
+    /// Sums `[sector][cell][|y|, |x|]` of the mirrored sectors 4 to 0, then of 0 to 4: neighbours share a direction.
     sectors: [[[u16; 2]; LANES]; SECTORS],
 }
 
@@ -67,7 +67,7 @@ const fn largest_beyond((cos, sin): (i32, i32)) -> [u8; 256] {
     largest
 }
 
-/// Adds 4 (one sector) to the index in q1 where |x| (q0) is at most `$most`, that is, beyond a direction.
+/// Adds 4 (one sector) to the index in q1 if |x| (q0) is at most `$most`: the gradient is beyond a direction.
 macro_rules! beyond {
     ($most:literal) => {
         concat!("vpt.u8 cs, ", $most, ", q0\nvaddt.i8 q1, q1, r8\n")

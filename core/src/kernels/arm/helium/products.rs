@@ -12,7 +12,7 @@ use core::ops::Range;
 
 /// Bytes from an offset to the next one: the features of a cell.
 const STEP: usize = CHANNELS;
-/// The most neighbouring sums that are computed at a time.
+/// Maximum number of neighbouring sums that are computed at a time.
 const MOST: usize = 7;
 
 pub(crate) fn responses<const N: usize>(
@@ -60,7 +60,7 @@ pub(crate) fn responses<const N: usize>(
     }
 }
 
-/// Row sizes of a filter, which the assembly reads.
+/// Row sizes of a filter. The assembly reads this.
 #[repr(C)]
 struct Rows {
     width: usize,

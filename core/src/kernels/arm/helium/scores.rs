@@ -105,7 +105,7 @@ fn distance(pair: &Rows, enough: u32) -> u32 {
     sum
 }
 
-/// Replaces each lane of `$picked` by the least (or the most) of itself and the three lanes before it. `$ones` carries
+/// Replaces each lane of `$picked` by the minimum (or maximum) of itself and the three lanes before it. `$ones` carries
 /// one lane from a vector to the next, `$twos` carries two.
 macro_rules! of_four {
     ($pick:literal, $picked:literal, $ones:literal, $twos:literal) => {
@@ -168,7 +168,7 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
             low = inout(reg) low.as_mut_ptr().wrapping_sub(3) => _,
             span = inout(reg) span.as_mut_ptr().wrapping_sub(3) => _,
             lanes = inout(reg) u32::from(margin) => _,
-            // Carried into the first vector, from lanes that may hold anything.
+            // Lanes carried between vectors. Any start value is right: lanes computed from it are not stored.
             least = out(reg) _, least_of_two = out(reg) _, most = out(reg) _, most_of_two = out(reg) _,
             inout("lr") columns + 3 => _,
             out("q0") _, out("q1") _, out("q2") _, out("q3") _,

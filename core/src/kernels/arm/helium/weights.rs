@@ -1,5 +1,5 @@
-//! Weights of a filter by Helium, four at a time. From `dlstp` to `letp` the last round uses one lane for each number
-//! left.
+//! Weights of a filter by Helium, four at a time. In a loop from `dlstp` to `letp`, the last round uses one lane for
+//! each remaining number.
 
 use crate::kernels::plain::weights as plain;
 use core::arch::asm;

@@ -3,12 +3,12 @@
 //! 1. Over the offsets of a group, template pixel t is compared with the pixels of one 4x4 block of the frame. Each of
 //!    its differences is at least d(t) = max(low - t, t - high, 0), where low..=high is the range of the block.
 //! 2. The similarity p does not rise with the difference, so sum p(d(t)) is an upper bound of the score of every offset
-//!    of the group. It remains one if some rows of the template are left out and counted as p = 1.
+//!    of the group. The bound stays valid if rows of the template are left out and counted as p = 1.
 //!
-//! Memory: the ranges fill a buffer of `PIXELS` bytes. The window is divided into tiles that fit, and a tile is done in
-//! 1, 2 or 4 passes, each over every (second, fourth) row of the frame. A group whose bound falls below the needed
-//! score is excluded. A group whose bound falls too slowly is not bounded any further, and its offsets are scored. Each
-//! pass computes only the ranges under the rectangle around the other groups.
+//! Memory: the ranges fill a buffer of `PIXELS` bytes. The window is divided into tiles whose ranges fit. A tile is
+//! done in 1, 2 or 4 passes, each over every (second, fourth) row of the frame. A group whose bound falls below the
+//! needed score is excluded. A group whose bound falls too slowly is not bounded any further: its offsets are scored.
+//! Each pass computes only the ranges under the rectangle around the groups that are still being bounded.
 
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
@@ -47,7 +47,7 @@ struct Shape {
     log2_passes: u32,
 }
 
-/// The bounding rectangle of the groups that remain: index of the first and the last group on each axis.
+/// The bounding rectangle of the groups that remain to be bounded: index of the first and the last one on each axis.
 #[derive(Clone, Copy)]
 struct Remaining {
     columns: [u16; 2],
@@ -85,7 +85,7 @@ impl Tile {
         self.columns.div_ceil(SIDE) * self.rows.div_ceil(SIDE)
     }
 
-    /// The first offset of a group that no earlier group contains, relative to the tile.
+    /// The first offset, relative to the tile, that belongs to the group but to no earlier group.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn first_unshared(&self, group: usize) -> (usize, usize) {
         let across = self.columns.div_ceil(SIDE).max(1);
@@ -130,8 +130,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Tile { column, row, columns, rows }
     }
 
-    /// The most comparisons for bounding the groups of a window. Per tile: 2 for each range; for each group the pixels
-    /// of the template, and one word at the start, in each pass, and while offsets are scored.
+    /// The largest number of comparisons that bound the groups of a window. Per tile: 2 for each range. Per group: the
+    /// pixels of the template, one word at the start, one word in each pass, and one word while offsets are scored.
     pub(super) fn most(window: (usize, usize), (width, height): (u16, u16)) -> u64 {
         let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
         let pixels = usize::from(width) * usize::from(height);
@@ -146,19 +146,19 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         most.sum()
     }
 
-    /// Sets the bound of every group of `tile` to the score of `pixels` equal pixels. No group is excluded.
+    /// Sets the bound of every group of `tile` to the score of `pixels` fully similar pixels. No group is excluded yet.
     pub(super) fn begin_tile(&mut self, tile: &Tile, pixels: u32) {
         let bounds = self.bounds.as_flattened_mut();
         rolled(bounds.iter_mut().take(tile.groups())).for_each(|bound| *bound = pixels * u32::from(Table::ONE));
         self.remaining = Remaining::ALL;
     }
 
-    /// Begins to bound the groups in a pass. [`Self::bound_group`] adds those that remain.
+    /// Empties the rectangle of the remaining groups. In each pass, [`Self::bound_group`] adds the groups that remain.
     pub(super) const fn begin_groups(&mut self) {
         self.remaining = Remaining::NONE;
     }
 
-    /// The part of `tile` around the groups that remain; `None` if all groups are excluded.
+    /// The part of `tile` around the groups that remain to be bounded; `None` if no such group remains.
     pub(super) fn remaining_part(&self, tile: &Tile) -> Option<Tile> {
         let side = |[first, last]: [u16; 2], all: usize| {
             let (from, end) = (SIDE * usize::from(first), SIDE * usize::from(last) + SIDE);
@@ -177,7 +177,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         first..end
     }
 
-    /// The pixels of the frame for the ranges of `rest`; `None` if some are outside the frame or not in memory.
+    /// The frame's pixels for the ranges of `rest`, a part of a tile; `None` if some are outside the frame or absent.
     pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, rest: &Tile) -> Option<Image<'a>> {
         if cfg!(all(target_os = "none", not(smr_helium))) {
             return None; // each row finds its own pixels, which takes little time and less flash
@@ -268,7 +268,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let is_whole = cfg!(not(smr_small)) && passes == 1; // saves a division
             let template = if is_whole { template } else { template.every(first, passes)? };
             let pixels = u32::from(template.width()) * u32::from(template.height());
-            // So far the template rows of this pass counted as fully similar. Replaces that part by their own bound.
+            // So far this pass's template rows counted as fully similar. The bound of their score replaces this share.
             let others = *bound - pixels * u32::from(Table::ONE);
             let score = scorer.bound(&blocks, template, needed.saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
@@ -298,7 +298,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 }
 
 impl Shape {
-    /// The largest tiles of at most `groups` groups whose ranges fit into `capacity` bytes. `None` if there are none.
+    /// The largest tiles of at most `groups` groups and `capacity` bytes of ranges; `None` if no tile fits or pays.
     fn of(template: (u16, u16), (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
         let (width, height) = (usize::from(template.0), usize::from(template.1));
         let mut shape = Self { width, height, columns, rows, log2_passes: 0 };

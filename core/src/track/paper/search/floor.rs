@@ -17,7 +17,7 @@ pub(super) struct Leaders<const SPAN: usize> {
     maxima: Maxima<SPAN>,
 }
 
-/// The second goal of a search and its progress: none, an equal outside the peak's neighbourhood, or the runner-up.
+/// The second goal of a search and its progress: none, a tie with the peak outside its neighbourhood, or the runner-up.
 #[derive(Clone, Copy)]
 enum SecondGoal {
     Nothing,
@@ -46,7 +46,7 @@ impl Equals {
         (self.top, self.bottom) = (self.top.min(other.y), self.bottom.max(other.y));
     }
 
-    /// True if some offset is outside the peak's neighbourhood, whichever of the equal offsets is the peak.
+    /// True if one of the offsets of equal score is outside the peak's neighbourhood, whichever of them is the peak.
     fn are_apart(&self) -> bool {
         self.right.abs_diff(self.left).max(self.bottom.abs_diff(self.top)) > 2 * u32::from(self.neighbourhood)
     }
@@ -132,7 +132,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         };
     }
 
-    /// Raises the floor by all pairs of offsets noted so far. (`note` compares new offsets only with the peak.)
+    /// Raises the floor to the best pair of all offsets noted so far. (`note` pairs a new offset only with the peak.)
     pub(super) fn raise_floor(&mut self) {
         if let SecondGoal::RunnerUp { neighbourhood, floor } = &mut self.second_goal {
             *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);
@@ -161,7 +161,7 @@ mod tests {
     use crate::Rect;
     use crate::track::paper::search::Radius;
 
-    /// The floor is just below the peak: an offset that has the peak's score but loses the tie is the runner-up.
+    /// With the floor just below the peak's score, an offset that equals the peak but loses the tie is the runner-up.
     #[test]
     fn a_runner_up_may_score_as_much_as_the_peak() {
         let window = Window::new(Rect::new(20, 20, 4, 4), Radius { x: 10, y: 10 }, Rect::new(0, 0, 60, 60), 0);

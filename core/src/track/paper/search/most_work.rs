@@ -1,4 +1,4 @@
-//! The most comparisons of a search: reached if no offset can be excluded. They are counted as in `scan.rs`.
+//! The largest number of comparisons of a search, reached if no offset can be excluded. Counted as in `scan.rs`.
 
 use super::exclusion::{Ranges, SIDE};
 use super::scan::{MOST_STEPS, SAD_STEP, first_step_of};
@@ -26,8 +26,7 @@ impl Extent {
         wide(self.window.0) + wide(self.window.1)
     }
 
-    /// The most comparisons of the descent: its SADs, and the scores of two positions (the last one, and where it
-    /// ends).
+    /// The largest number of comparisons of the descent: its SADs, and the scores at its start and at its end.
     fn descent(&self) -> u64 {
         let step = first_step_of(self.window);
         if !self.pruning {
@@ -46,15 +45,15 @@ impl Extent {
         self.offsets() * self.pixels() + groups
     }
 
-    /// The most comparisons for the runner-up: nine scouts, the whole window, and reading the maxima at the start, at
-    /// the end, and to raise the floor (at most 1/32 of the work).
+    /// The most comparisons for the runner-up: nine scouts (offsets scored first), the whole window, and the maxima,
+    /// which are read at the start, at the end, and to raise the floor (at most 1/32 of the work).
     fn runner_up<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let scouts = if self.offsets() >= 288 { 9 * self.pixels() } else { 0 };
         let all = scouts + self.peak::<PIXELS, SPAN>();
         all + if self.pruning { all / 32 } else { 0 } + 2 * self.maxima_count()
     }
 
-    /// The most comparisons of a search with or without the runner-up, and if `again` of another for the runner-up.
+    /// The most comparisons of a search with or without the runner-up. `again` adds a second search for the runner-up.
     pub(crate) fn most<const PIXELS: usize, const SPAN: usize>(&self, runner_up: bool, again: bool) -> u64 {
         let first = match (runner_up, self.pruning) {
             (true, true) => self.runner_up::<PIXELS, SPAN>(),
@@ -65,7 +64,8 @@ impl Extent {
         self.descent() + first + if again { self.runner_up::<PIXELS, SPAN>() } else { 0 }
     }
 
-    /// The most comparisons beyond a step's grant: an offset, a group or a row of ranges, and 7 * `SPAN` words.
+    /// The most comparisons by which a step exceeds its grant: an offset, a group or a row of ranges, and 7 * `SPAN`
+    /// words.
     pub(crate) fn most_beyond_a_step<const SPAN: usize>(&self) -> u32 {
         let row = 2 * (wide(self.window.0) + u64::from(self.template.0)).saturating_sub(wide(SIDE));
         let most = self.pixels().max(row) + 7 * wide(SPAN);

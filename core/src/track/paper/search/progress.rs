@@ -23,7 +23,7 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     pub(super) place: Place,
     pub(super) descent: Descent,
     pub(super) pruning: bool,
-    /// Bit mask of the offsets in the present row of a group that can change the result: see [`Scorer::candidates`].
+    /// Bit mask of the offsets that can change the result, in the present row of a group: see [`Scorer::candidates`].
     pub(super) candidates: u8,
     /// The budget of the present step, in comparisons.
     pub(super) granted: u32,
@@ -42,19 +42,19 @@ pub(super) enum Stage {
     LastPosition,
     Descent,
     Scouts,
-    /// Computes rows of ranges.
+    /// Computes rows of ranges: the minimum and the maximum of each block of 4x4 pixels.
     Ranges,
     /// Computes bounds of groups of 4x4 offsets, and excludes groups.
     Exclude,
     /// Scores the offsets of the groups that were not excluded.
     Refine,
-    /// Scores every offset, if the window has no groups.
+    /// Scores every offset, if the window is not divided into groups.
     Offsets,
 }
 
 /// The position of a search within its present stage.
 pub(super) struct Place {
-    /// The first offset of the tile, or without groups the present offset.
+    /// The first offset of the present tile; without groups, the present offset.
     pub(super) column: usize,
     pub(super) row: usize,
     /// Index of the next neighbour, scout, row of ranges, or group, depending on the stage.
@@ -65,7 +65,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The start at (`column`, `row`) of the window: of a tile, or without groups of a single offset.
+    /// The start of the tile at (`column`, `row`) of the window; without groups, the single offset at that position.
     pub(super) const fn tile(column: usize, row: usize) -> Self {
         Self { column, row, next: 0, offset: 0, pass: 0 }
     }

@@ -1,4 +1,4 @@
-//! Finds the runner-up from one maximum per row and one per column of the window.
+//! Finds the runner-up from the largest score of each row and of each column of the window.
 //!
 //! 1. The neighbourhood of the peak is a square. Outside are whole rows (above, below) and columns (left, right).
 //! 2. So the largest score outside is exactly the largest of the maxima of those rows and columns.

@@ -31,7 +31,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.begin_scouts();
     }
 
-    /// Continues for about `work` comparisons (at least 1) and returns their number. It counts:
+    /// Continues for about `work` comparisons (at least 1) and returns their number, counted as follows:
     ///
     /// - 1 for each template pixel at each offset or group, even if it was skipped;
     /// - 2 for each range;
@@ -66,8 +66,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = Stage::Scouts;
     }
 
-    /// Scores a scout, one of nine offsets: corners, middles of the edges, centre. Two that are far enough apart set a
-    /// floor for the runner-up. Only in windows of at least 288 offsets, of which nine are 1/32.
+    /// Scores a scout, one of nine offsets: corners, middles of the edges, centre. Two scouts far enough apart set a
+    /// floor for the runner-up. Only in windows of at least 288 offsets, where nine offsets are at most 1/32.
     fn scout(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
         let number = self.place.next;
@@ -107,7 +107,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Compares the next neighbour. After the last one, moves to the best and halves the step; at step 0 scores it.
+    /// Compares the next neighbour; after the last, moves to the best and halves the step. Scores the offset at step 0.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn descend(&mut self, scene: &Scene<'_>) {
         let Descent { x, y, best, best_sad, step } = self.descent;
@@ -137,7 +137,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// The SAD of every fourth row, up to `enough`; `None` if the box is not wholly inside the frame.
+    /// The SAD of every fourth row; may stop beyond `enough`. `None` if the box is not wholly inside the frame.
     #[cfg_attr(smr_small, inline(never))]
     fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
         let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
@@ -162,7 +162,7 @@ pub(super) fn first_step_of((columns, rows): (usize, usize)) -> u8 {
 /// The row step of a SAD: it reads every fourth row.
 pub(super) const SAD_STEP: u16 = 4;
 
-/// The most steps of a descent. They add up to at most 15 pixels. Beyond that, excluding by ranges is faster.
+/// The largest number of steps of a descent: 15 pixels in all. Farther away, excluding by ranges is faster.
 pub(super) const MOST_STEPS: usize = 4;
 
 /// Element `number` of (-`step`, 0, `step`).

@@ -133,11 +133,11 @@ impl Case {
 }
 
 impl Case {
-    /// A bound of the work that is little more than scoring every offset, even if none can be excluded.
+    /// An upper bound of the work: little more than scoring every offset, even if no offset can be excluded.
     fn most_work(&self) -> u64 {
         let (columns, rows) = self.window.size();
         let (offsets, pixels) = ((columns * rows) as u64, u64::from(self.template.0) * u64::from(self.template.1));
-        // 1/16 for ranges, 1/32 each for the descent and the scouts; then the groups and the start.
+        // 9/8: all offsets, plus 1/16 for ranges and 1/32 each for descent and scouts. Then the groups and the start.
         let groups = (columns.div_ceil(4) * rows.div_ceil(4)) as u64;
         // Words of working memory: the maxima twice, and each group in each pass.
         let words = 2 * (columns + rows) as u64 + 8 * groups;

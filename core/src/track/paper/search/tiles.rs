@@ -176,8 +176,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 }
 
 /// The offsets of `wanted` (a bit mask of four, from (`x`, `y`) to the right) that may score `needed`. Template pixels
-/// inside the frame at all four are bounded, those outside at all four are compared with the padding, and the others
-/// count as fully similar. `None` if nothing can be excluded.
+/// inside the frame at all four offsets are bounded, pixels outside at all four are compared with the padding, and
+/// other pixels count as fully similar. `None` if no offset can be excluded.
 fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
     let Scene { frame, template, scorer, .. } = scene;
     let four = Rect::new(x, y, template.width().saturating_add(3), template.height());
