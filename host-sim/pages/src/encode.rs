@@ -8,7 +8,7 @@ use jpeg_encoder::{ColorType, Encoder};
 use smr_recordings::{ColorFrame, GrayFrame, Raster, Scalable, resized};
 use std::ops::Range;
 
-/// Encodes an indexed PNG in which `color` maps each gray level to a color. The bytes are few and deterministic.
+/// Encodes an indexed PNG in which `color` maps each gray level to a color. The file is small and deterministic.
 pub(crate) fn palette_png(levels: &GrayFrame, color: impl Fn(u8) -> Color) -> Result<Vec<u8>> {
     let pixels: Vec<Color> = levels.pixels.iter().map(|&level| color(level)).collect();
     let mut palette = pixels.clone();

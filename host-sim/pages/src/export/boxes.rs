@@ -182,7 +182,7 @@ impl Printer {
 
 const CSV_NAMES: &str = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
 
-/// One frame as JSON. Boxes are null if the target is lost, and values that the method does not compute are null.
+/// One answer as JSON. Boxes are null if the target is lost, and values that the method does not compute are null.
 #[derive(Serialize)]
 struct JsonLine<'a> {
     #[serde(flatten)]

@@ -1,5 +1,5 @@
-//! Writes raw frames as Matroska, the only raw format with a time for each frame that ffmpeg reads from a pipe. It
-//! consists of elements (identifier, size, data): see <https://www.matroska.org/technical/elements.html>.
+//! Writes raw frames as Matroska: of the formats that ffmpeg reads from a pipe, no other has raw frames with times. A
+//! file consists of elements (identifier, size, data): see <https://www.matroska.org/technical/elements.html>.
 
 /// Size field of an element of unknown size, which extends to the next element of its kind.
 const UNKNOWN: [u8; 8] = [1, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF];

@@ -1,5 +1,5 @@
-//! Difference |F - G| of each pixel between the best patch and the template, and its picture, in which the pixels that
-//! count (below the threshold alpha) are green.
+//! Absolute differences |F - G| between the pixels of the best patch F and of the template G, and a picture of the
+//! differences. Pixels that count (below the threshold alpha) are green in the picture.
 
 use crate::colors::Color;
 use crate::encode::palette_png;
@@ -15,7 +15,7 @@ pub(super) struct Difference {
 
 /// Gray levels that one bar of a histogram spans.
 pub(super) const BAR: usize = 2;
-/// Bars of a histogram. The last one includes all larger differences: they mostly exceed alpha and thus do not count.
+/// Number of bars of a histogram. The last bar includes all larger differences: most exceed alpha and do not count.
 pub(super) const BARS: usize = 64;
 
 impl Difference {
@@ -61,7 +61,7 @@ pub(super) fn differences(levels: &GrayFrame, alpha: Option<u16>) -> Result<Vec<
     })
 }
 
-/// Quantises a gray level to 128 levels, which are enough for the eye: noise makes up most of a file.
+/// Quantises a gray level to 128 levels, which are enough for the eye: noise in the lowest bit would enlarge the file.
 fn coarse(gray: u8) -> Color {
     [gray / 2 * 2 + gray / 128; 3]
 }

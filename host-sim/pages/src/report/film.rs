@@ -26,7 +26,7 @@ pub struct Film {
     pub(super) truth: Option<Vec<Option<BoundingBox>>>,
     pub(super) pictures: Option<Pictures>,
     pub(super) files: Vec<ResultFile>,
-    /// For each entry of `files`, the index of its name among the files of the whole page, which selects its color.
+    /// For each entry of `files`, the index of its name among all files of the page. The index selects the color.
     pub(super) file_name_indices: Vec<usize>,
     pub(super) first: usize,
     /// Remarks for the reader: methods that were left out, and why.

@@ -16,7 +16,7 @@ use std::fmt::Write;
 const STYLE: &str = include_str!("page.css");
 const PAGE: &str = include_str!("page.html");
 
-/// Fewest wrong frames in a row after which a method counts as having left the target.
+/// Minimum number of wrong frames in a row after which a method counts as having left the target.
 const MIN_FAILURE_FRAMES: usize = 10;
 
 /// Title of the page, and the command line and options for its footer.
@@ -93,8 +93,8 @@ fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
     (0..film.targets.len()).filter_map(of).collect()
 }
 
-/// Returns the page's first sentence: the count of each method's correct frames, and the frame in which each but the
-/// best leaves the target for longest. `None` without ground truth.
+/// Returns the page's first sentence: each method's count of correct frames and, except for the best method, the frame
+/// in which its longest failure begins. `None` without ground truth.
 fn lead(film: &Film) -> Result<Option<String>> {
     let Some(Evaluation { visible, scores, .. }) = film.evaluation()? else { return Ok(None) };
     let correct = |method: usize| scores[method].1.correct;
@@ -114,8 +114,8 @@ fn lead(film: &Film) -> Result<Option<String>> {
 }
 
 /// Finds the longest run of frames in which `other` is wrong while `best` is correct, ignoring frames in which the
-/// target is hidden. Returns its first frame, and true if `other` is mostly *lost* in it; `None` if the run is short.
-/// Errors: The ground truth has another length than the film.
+/// target is hidden. Returns the run's first frame, and true if `other` is *lost* in most of the run; `None` if the run
+/// is short. Errors: The ground truth has another length than the film.
 pub(super) fn longest_failure(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
     let Some(truth) = &film.truth else { return Ok(None) };
     let of = |method: usize| overlaps(&film.trajectory(method), truth);

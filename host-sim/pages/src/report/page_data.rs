@@ -1,4 +1,4 @@
-//! Data for the script of the report, as JSON: boxes, scores and pictures of every frame.
+//! Data for the script of the report, as JSON: boxes and scores of every frame, and pictures of some or all frames.
 
 use super::difference::{BAR, BARS};
 use super::film::{Film, Locked, Moment};

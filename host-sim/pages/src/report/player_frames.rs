@@ -17,7 +17,7 @@ const LARGEST_PATCH: u16 = 64;
 
 /// Pictures of some or all frames, with the pixels that the methods compared there.
 pub(super) struct Pictures {
-    /// Most bytes of all pictures in the page.
+    /// Largest size of all pictures in the page together, in bytes.
     limit: usize,
     side: u16,
     /// Only frames whose index is a multiple of this are kept.
@@ -30,7 +30,7 @@ pub(super) struct Picture {
     /// Longest side of the JPEG in pixels.
     side: u16,
     pub jpeg: Vec<u8>,
-    /// Each method's template and difference map as JSON, null where nothing was compared. `compared` is their bytes.
+    /// Each method's template and difference map as JSON, null without a comparison. `compared` is their size in bytes.
     pub comparisons: Vec<Value>,
     compared: usize,
 }

@@ -21,8 +21,8 @@ struct Scored {
 /// An entrant (a method or a result file) with its scores in each recording.
 type Row<'a> = (&'a Entrant, Vec<Option<&'a Scored>>);
 
-/// Returns the values to average over the recordings, without those in which the target is never visible; `None` if any
-/// recording lacks a score.
+/// Returns the values to average over the recordings, except recordings in which the target is never visible. `None` if
+/// any recording lacks a score.
 fn known<'a, T>(scored: &[Option<&'a Scored>], of: impl Fn(&'a Scored) -> T) -> Option<Vec<T>> {
     let known = scored.iter().filter(|one| one.is_none_or(|one| one.score.visible > 0));
     known.map(|one| Some(of((*one)?))).collect()
@@ -52,7 +52,7 @@ impl<'a> Measured<'a> {
     }
 }
 
-/// Returns the table and plots over all recordings and, if there are several, a table for each. `None` without any.
+/// Returns the table and plots over all recordings and, if there are several, a table for each; `None` without scores.
 pub(super) fn scores<'a>(measured: &'a [Measured<'a>]) -> Option<Value> {
     let rows = rows(measured);
     let (table, each) = match measured {

@@ -19,7 +19,7 @@ pub struct Search {
     /// Difference from the template: for smr at its best position, accepted or not; for a baseline in its box; for the
     /// robust tracker in its box, from its early template (of the first frames).
     pub difference: Difference,
-    /// Threshold below which a difference counts; `None` if all count.
+    /// Threshold: pixels with a smaller difference count toward the similarity. `None` if all pixels count.
     pub alpha: Option<u16>,
 }
 
@@ -97,7 +97,7 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Obs
 }
 
 /// Updates the tracker and repeats its comparison: samples its box on the tracker's grid, and adapts the early template
-/// to the brightness of the sample.
+/// (of the first frames) to the brightness of the sample.
 fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Observation)> {
     let grid = tracker.target().grid().context("there is no grid yet")?;
     let early = tracker.target().early_template().context("there is no early template yet")?;

@@ -19,7 +19,7 @@ pub(super) struct Entrant {
     pub method: Option<usize>,
 }
 
-/// Returns a method's title after its target's name, if it has one; `words` is `TITLE`, `SHORT` or `SENTENCE`.
+/// Returns a method's title, after the target's name if there is one; `words` is `TITLE`, `SHORT` or `SENTENCE`.
 pub(super) fn titled(film: &Film, method: usize, words: usize) -> String {
     let title = METHODS[look_of_method(film.methods[method].kind)].2[words];
     let name = film.targets[film.method_targets[method]].name.as_ref();
@@ -69,8 +69,8 @@ pub(super) const TITLE: usize = 0;
 const SHORT: usize = 1;
 pub(super) const SENTENCE: usize = 2;
 
-/// Color and titles (full, short, within a sentence) of each method. SMR is red and SAD blue, as in the paper; they
-/// must be distinct from each other on any frame, and from the colors of states.
+/// Color and titles (full, short, within a sentence) of each method. SMR is red and SAD blue, as in the paper. The
+/// colors must be distinct from each other on any frame, and from the colors of states.
 const METHODS: [(MethodKind, Color, [&str; 3]); 6] = [
     (MethodKind::Robust, [255, 130, 220], ["Robust tracker", "Robust", "the robust tracker"]),
     (MethodKind::Smr, [255, 64, 64], ["Paper's tracker (SMR, 2013)", "Paper", "the paper's tracker of 2013"]),
@@ -103,7 +103,7 @@ const DASHES: [&[u8]; 5] = [&[], &[14, 5], &[12, 4, 2, 4], &[22, 4, 8, 4], &[12,
 
 /// Background of plots in the light and in the dark theme, as in base.css.
 const PANELS: [Color; 2] = [[244, 246, 247], [30, 34, 38]];
-/// Least contrast ratio of a curve with its background, as WCAG 2 requires for graphics.
+/// Minimum contrast ratio between a curve and its background, as WCAG 2 requires for graphics.
 const CONTRAST: f64 = 3.0;
 
 #[derive(Serialize)]

@@ -4,7 +4,7 @@ use super::{Lock, Target};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use smr_recordings::{BoundingBox, checked_name};
 
-/// Parses CSV or CVAT XML into targets. Errors: It is neither, a line is wrong, or there is no box to lock on.
+/// Parses CSV or CVAT XML into targets. Errors: The text is neither, a line is wrong, or there is no box to lock on.
 pub fn read(text: &str) -> Result<Vec<Target>> {
     let text = text.trim_start_matches('\u{feff}');
     let read = if text.trim_start().starts_with('<') { of_cvat(text)? } else { of_csv(text)? };
@@ -74,8 +74,8 @@ fn row(names: &[&str], line: &str, all: &mut Vec<Reading>) -> Result<()> {
     if has_none { Ok(()) } else { all[at].lock(frame, bbox.join(",").parse()?) }
 }
 
-/// Parses CSV. A row with a box becomes a lock, unless it has a confidence: it is a tracker's answer then, and a lock
-/// there would end a correction after one frame. If there is a column `state`, a frame without a row ends the target.
+/// Parses CSV. Rows with a box become locks, except trackers' answers, which have a confidence: as locks, they would
+/// end a user's correction after one frame. With a column `state`, a target is gone in frames without a row.
 fn of_csv(text: &str) -> Result<Vec<Reading>> {
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
     let (number, head) = lines.next().context("it is empty: expected CSV or CVAT XML")?;
@@ -142,7 +142,7 @@ fn key(tag: &str, track: &mut Reading) -> Result<()> {
     track.lock(frame, BoundingBox { x, y, width: number("xbr")? - x, height: number("ybr")? - y })
 }
 
-/// Returns (line number, tag) for each XML tag: its text between `<` and `>`.
+/// Returns (line number, text between `<` and `>`) of each XML tag.
 fn tags(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut line = 1;
     let parts = text.split('<').map(move |part| {

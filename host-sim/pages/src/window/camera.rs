@@ -1,4 +1,4 @@
-//! A camera as the source of the window: frames arrive in real time, and the last minutes are kept.
+//! A camera as the frame source of `host-sim view`: frames arrive in real time, and the last minutes are kept.
 //!
 //! Frames have the numbers of the source, which also counts frames that it dropped. Trackers get the newest frame; a
 //! frame that arrives while they are busy is skipped and counted, but its JPEG is kept. A tracker locked in a frame of
@@ -14,9 +14,9 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Most bytes of cached gray frames: seven seconds of 640x480 at 30 frames a second.
+/// Largest size of all cached gray frames in bytes: seven seconds of 640x480 at 30 frames a second.
 const MOST_GRAY: usize = 64 << 20;
-/// Most bytes of cached JPEGs: some minutes.
+/// Largest size of all cached JPEGs in bytes: some minutes of video.
 const MOST_PICTURES: usize = 160 << 20;
 
 /// Frame number, and the frame's colors either as luma and chroma planes or as RGB.

@@ -1,4 +1,4 @@
-//! A log of changes by position. A page polls with the last position that it has seen, and gets the later changes.
+//! A log that numbers changes by position. A page polls with the last position it has seen, and gets later changes.
 
 use std::collections::VecDeque;
 
@@ -16,11 +16,11 @@ impl TargetSpan {
     }
 }
 
-/// Most discarded frame ranges in the log; a page that has missed older ones reloads everything.
+/// Largest number of discarded frame ranges in the log; a page that has missed older ones reloads everything.
 const MOST_VOID: usize = 1000;
 const MOST_MESSAGES: usize = 4;
 
-/// The log of all changes except answers, whose positions are stored with them.
+/// The log of all changes except new answers; each answer is stored with its own position.
 #[derive(Default)]
 pub(super) struct ChangeLog {
     end: u64,

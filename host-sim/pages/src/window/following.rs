@@ -89,7 +89,7 @@ struct Key {
 struct Segment {
     /// Frame of the first row: the lock's frame, or a later one after a camera's old rows were dropped.
     first: usize,
-    /// One row per frame, with its log position in [`ChangeLog`], in ascending order; `None` if the frame was dropped.
+    /// For each frame: position in [`ChangeLog`], ascending, and row; `None` if the frame was dropped.
     rows: VecDeque<(u64, Option<Row>)>,
     /// True if the tracker refused a frame, or a camera no longer keeps the lock's frame. No answers follow.
     failed: bool,
@@ -116,15 +116,15 @@ impl Segment {
     }
 }
 
-/// Most unused segments (answers from one lock to the next) kept for undo; [`SPARE_ROWS`] limits their rows.
+/// Largest number of unused segments (answers from one lock to the next) for undo; [`SPARE_ROWS`] limits their rows.
 const SPARE: usize = 24;
 const SPARE_ROWS: usize = 1 << 18;
 const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
 /// Longest run of unneeded frames that is read and discarded; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
-/// Most trackers (one for each lock) in memory; beyond it, those with all their answers are dropped.
+/// Largest number of trackers in memory, one for each lock; beyond it, trackers without missing answers are dropped.
 const MOST_TRACKERS: usize = if cfg!(test) { 8 } else { 64 };
-/// Most answers per segment of a camera: five minutes at 60 frames a second.
+/// Largest number of answers per segment of a camera: five minutes at 60 frames a second.
 const MOST_LIVE_ROWS: usize = 18_000;
 
 struct State {
@@ -196,8 +196,8 @@ impl State {
         })
     }
 
-    /// Gives the answers from `part.from` on new log positions, so that pages load them again. Answers after `part.to`
-    /// get new ones, too, because positions ascend within a segment.
+    /// Assigns new log positions to answers in frame `part.from` and later, so that pages load them again. Answers
+    /// after `part.to` in the same segment are included, because positions ascend within a segment.
     fn renew_positions(&mut self, part: TargetSpan) {
         self.log.void(part);
         let Self { targets, segments, log, settings_index, .. } = self;
@@ -228,7 +228,7 @@ impl State {
                     "the box of {name} in frame {frame} has no pixels"
                 );
                 let last = self.frames(known).unwrap_or(usize::MAX);
-                // A saved session may contain locks behind the end, if the recording was longer then.
+                // A session saved while the recording was longer may contain locks behind the present end.
                 let is_known = self.targets.iter().any(|one| one.id == target.id && one.locks.contains(lock));
                 ensure!(is_known || (1..=last).contains(frame), "there is no frame {frame}: expected 1 to {last}");
                 let twice = at > 0 && target.locks[at - 1].frame == *frame;
@@ -295,7 +295,7 @@ pub(super) struct Changes {
     /// Frame ranges whose answers the page discards before it stores `rows`.
     pub void: Vec<TargetSpan>,
     pub changed: Vec<TargetSpan>,
-    /// New answers; empty if there are too many, so that the page requests the ranges in `changed`.
+    /// New answers; empty if there are too many: the page then requests the ranges in `changed`.
     pub rows: Vec<(u32, usize, Row)>,
     pub messages: Vec<String>,
     pub made: Vec<u32>,
@@ -367,7 +367,7 @@ impl Followed {
 
     /// Replaces the targets; only changed frame ranges are tracked again. `revision` is the latest revision that the
     /// page has seen, if it sent one. Returns the new revision.
-    /// Errors: A box without pixels, two locks of a target in one frame, a target that is gone without a box before, a
+    /// Errors: A box without pixels, two locks of a target in one frame, a target marked gone while it has no box, a
     /// frame that does not exist or that a camera no longer keeps, or targets that another page has changed meanwhile.
     pub(super) fn set_targets(&self, targets: Vec<Target>, revision: Option<u64>, source: &dyn Source) -> Result<u64> {
         let (known, oldest) = (source.known().frames, source.oldest());
@@ -485,7 +485,7 @@ impl Followed {
         (open.or_else(done).unwrap_or(0), at)
     }
 
-    /// Returns the last frame before damaged data, as the limit of a command; `None` if a target is locked behind it.
+    /// Returns the last frame before damaged data, for the option `--frames`; `None` if a later frame has a lock.
     pub fn last_intact(&self) -> Option<usize> {
         let state = self.state();
         let mut locks = state.targets.iter().flat_map(|target| &target.locks);
@@ -550,8 +550,8 @@ impl Following<'_> {
         }
     }
 
-    /// Reads frames from `start` on and runs the trackers, while an answer in the next frame is missing. If the frames
-    /// end before that, returns the last frame and the error that ended them.
+    /// Reads frames from `start` on and runs the trackers, as long as an answer in the next frame is missing. If the
+    /// frames end earlier, returns the last frame that was read, and the error, if one ended the reading.
     fn pass(&mut self, start: usize) -> Option<(usize, Option<Error>)> {
         let frames = match self.source.gray_from(start) {
             Ok(frames) => frames,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 pub(super) struct FrameCache<T> {
     of: BTreeMap<usize, T>,
-    /// Sum of `size_of` over all frames, at most `most`; but the last frame stays, however large it is.
+    /// Sum of `size_of` over all frames, at most `most`, except that a single frame stays however large it is.
     size: usize,
     most: usize,
     size_of: fn(&T) -> usize,

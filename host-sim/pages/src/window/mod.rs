@@ -84,7 +84,7 @@ pub struct LiveState {
     pub newest: usize,
     /// Count of frames that arrived while targets were tracked, but that no tracker received.
     pub dropped: usize,
-    /// Milliseconds from the arrival of a frame to its answer.
+    /// Moving average of the milliseconds from a frame's arrival to its answer.
     pub latency_ms: f64,
     pub rate: f64,
     pub has_ended: bool,

@@ -1,6 +1,6 @@
-//! A recording as the source of the window. Any frame is available as a JPEG: recent ones are cached, and following
-//! ones are decoded in order. Recent frames at full resolution are cached, too. A recording that is still being written
-//! is reopened when it has grown.
+//! A recording as the frame source of `host-sim view`. Any frame is available as a JPEG: recent frames are cached, and
+//! the frames after them are decoded in order. Recent frames at full resolution are cached, too. A recording that is
+//! still being written is reopened when it has grown.
 
 use super::frame_cache::FrameCache;
 use super::{Known, SIDE, Source, lock};
@@ -15,9 +15,9 @@ use std::{fs, thread};
 /// Interval between checks whether the file has grown.
 const LOOKS: Duration = Duration::from_secs(1);
 const MOST_BYTES: usize = 96 << 20;
-/// Most pixels of cached full-resolution frames: 64 MB at 3 bytes a pixel.
+/// Largest number of pixels in all cached full-resolution frames: 64 MB at 3 bytes a pixel.
 const MOST_PIXELS: usize = (64 << 20) / 3;
-/// Most frames that are decoded in order to reach a later frame; a farther one is reached by a seek.
+/// Largest number of frames to decode one after another to reach a later frame; a seek reaches a farther frame.
 const NEAR: usize = 24;
 /// Extra frames that a backward seek goes back, because a user who steps back will request earlier frames next.
 const BEFORE: usize = 12;
@@ -30,7 +30,7 @@ pub struct Growing {
 
 struct Opened {
     recorded: Arc<Recorded>,
-    /// Most frames and times known so far, because a reopened recording starts with an incomplete index.
+    /// Largest frame count and longest list of times, because a reopened recording starts with an incomplete index.
     known: Known,
     /// Value of [`size`] when the recording was last opened.
     size: u64,

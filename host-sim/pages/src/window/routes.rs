@@ -200,7 +200,7 @@ impl Window {
     }
 
     /// Returns the changes after log position `since`. If there are many answers, it returns only their frame ranges,
-    /// which the page requests by `answers`. With `wait=0` it returns at once.
+    /// and the page requests the answers from the route `answers`. With `wait=0` it returns at once.
     fn news(&self, query: &str) -> Result<Value> {
         let since = number(query, "since")?;
         let patience = if value(query, "wait") == Some("0") { Duration::ZERO } else { PATIENCE };

@@ -1,4 +1,4 @@
-//! A server for one user on this machine: HTTP on the loopback address, for clients that have the token.
+//! A server for one user on this machine: HTTP on the loopback address, for clients that know a random token.
 //!
 //! Any web page that the user has open can send requests to a port of this machine. Therefore a request is answered
 //! only if
@@ -28,13 +28,13 @@ use std::time::Duration;
 use tokio::task::AbortHandle;
 use tokio_io_timeout::TimeoutStream;
 
-/// Most open connections that have not shown the token.
+/// Largest number of open connections that have not shown the token.
 const MOST_STRANGERS: usize = 128;
 /// Time limit for a client to send a header or a body.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Longest time for which a client may read nothing of a reply, in multiples of [`PATIENCE`].
 const READING: u32 = 3;
-/// Most bytes of a body, enough for a file with the boxes of a long recording.
+/// Largest size of a request's body in bytes, enough for a file with the boxes of a long recording.
 const MOST_BYTES: usize = 16 << 20;
 
 /// Headers of every reply: a browser must not keep it, show it in another page, or let another page read it.
@@ -113,7 +113,7 @@ impl Server {
             let listener = tokio::net::TcpListener::from_std(listener)?;
             for id in 0_u64.. {
                 let Ok((stream, _)) = listener.accept().await else {
-                    // Accepting fails while no file descriptor is free; one will be soon.
+                    // Accepting fails while no file descriptor is free; one will be free soon.
                     tokio::time::sleep(Duration::from_millis(50)).await;
                     continue;
                 };
@@ -220,7 +220,7 @@ mod tests {
     use std::net::{SocketAddr, TcpStream};
     use std::thread;
 
-    /// Bytes of a reply that exceeds the socket buffers of any system.
+    /// Size in bytes of a reply that exceeds the socket buffers of any system.
     const LARGE: usize = 64 << 20;
 
     /// Starts a server that replies with the request's path. Returns its address and its token.

@@ -57,7 +57,7 @@ impl Session {
         Ok((Self { path, recording: recording.to_owned(), kept: Mutex::new(kept) }, work))
     }
 
-    /// Ignores the work in the file. Before the next change overwrites it, it is copied to `NAME~`.
+    /// Ignores the work in the file. The next change copies the file to `NAME~` before overwriting it.
     pub fn leave_aside(&self) {
         let mut kept = lock(&self.kept);
         (kept.bytes, kept.work.frame) = (None, None);

@@ -1,5 +1,5 @@
-//! COCO object detection, <https://cocodataset.org/#format-data>: one JSON object. A box is left, top, width, height,
-//! from 0. The field `score` is from COCO's format of results, `track_id` from CVAT and Datumaro.
+//! COCO object detection, <https://cocodataset.org/#format-data>: one JSON object. A box is left, top, width, height;
+//! the first pixel is 0. The field `score` is from COCO's format of results, `track_id` from CVAT and Datumaro.
 
 use super::{About, Answer, score};
 use anyhow::Result;

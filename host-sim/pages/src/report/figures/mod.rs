@@ -92,12 +92,12 @@ fn compared(still: &Still, method: usize) -> Result<&Search> {
     still.observations[method].search.as_ref().context("something is compared in every frame but the first")
 }
 
-/// Count of frames before and after an occlusion that are scored and plotted.
+/// Number of frames to score and plot on each side of an occlusion.
 const AROUND: usize = 40;
-/// Distance in frames from an occlusion of the pictures before and after it.
+/// Distance in frames between an occlusion and the pictures that show the target before and after it.
 const BESIDE: usize = 10;
 
-/// Returns the frame `wish`, if it is not the first one; without it, the frame in which SMR leads SAD by the most.
+/// Returns the frame `wish`, which must not be the first; without a wish, the frame in which SMR leads SAD by the most.
 fn lead_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     let Some(frame) = wish else {
         let leads = (1..film.moments.len()).filter_map(|index| Some((index, lead(film, index)?)));
@@ -121,7 +121,7 @@ fn visible_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     Ok(frame)
 }
 
-/// Returns the lead of SMR over SAD in IoU with the ground truth; without it, 1 minus the IoU of their boxes.
+/// Returns SMR's IoU with the ground truth minus SAD's; without ground truth, 1 minus the IoU of the two boxes.
 fn lead(film: &Film, index: usize) -> Option<f64> {
     let [smr, sad] = [SMR, SAD].map(|method| film.moments[index].reports[method].target);
     if film.truth.is_none() {
@@ -161,14 +161,14 @@ fn outside(film: &Film, index: usize) -> u64 {
     u64::from(bbox.width) * u64::from(bbox.height) - u64::from(bbox.intersection(frame).area())
 }
 
-/// Returns (first, last) of each run of frames in which the target is hidden by the ground truth.
+/// Returns (first, last) of each run of frames in which the target is hidden, according to the ground truth.
 fn spans(film: &Film) -> Vec<(usize, usize)> {
     let truth = film.truth.iter().flatten().collect::<Vec<_>>();
     let hidden: Vec<usize> = (0..truth.len()).filter(|&index| truth[index].is_none()).collect();
     hidden.chunk_by(|one, next| one + 1 == *next).map(|run| (run[0], run[run.len() - 1])).collect()
 }
 
-/// Returns the occlusion `wish` of the user; without it, the occlusion after which SMR's accuracy falls most.
+/// Returns the user's occlusion `wish`; without a wish, the occlusion after which SMR's accuracy falls most.
 fn span(film: &Film, wish: Option<FrameRange>) -> Result<(usize, usize)> {
     ensure!(film.truth.is_some(), "it needs ground truth, for what is correct");
     let length = film.moments.len();

@@ -19,7 +19,7 @@ pub(super) const TOP: f64 = 2.0 * GAP + LINE;
 pub(super) const SOLID: &str = r#"stroke-width="2""#;
 pub(super) const DASHED: &str = r#"stroke-width="2" stroke-dasharray="6""#;
 pub(super) const DOTTED: &str = r#"stroke-dasharray="3 4""#;
-/// Strokes of SMR and SAD. The dashes leave an identical box below visible.
+/// Strokes of SMR and SAD. If their boxes are identical, SMR's solid line shows between the dashes of SAD.
 pub(super) const STROKES: [&str; 2] = [SOLID, DASHED];
 
 pub(super) type Pair = (f64, f64);
@@ -83,7 +83,7 @@ impl Sheet {
         self.0.push(format!("<rect {} {look}/>", place(at, size)));
     }
 
-    /// Draws a picture as large as fits `within`.
+    /// Draws a picture, as large as fits in the size `within`.
     fn picture(&mut self, at: Pair, within: Pair, look: &str, uri: &str) {
         let place = place(at, within);
         self.0.push(format!(r#"<image {place} preserveAspectRatio="xMinYMin"{look} href="{uri}"/>"#));
@@ -128,7 +128,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws frames side by side with their numbers, and below each the template of SMR. Returns the left end of each, and the bottom of all.
+    /// Draws numbered frames in a row, with SMR's templates below. Returns the frames' left ends and the row's bottom.
     pub fn strip(&mut self, film: &Film, stills: &[&Still], margin: u16) -> Result<(Vec<f64>, f64)> {
         const PATCH: Pair = (120.0, 96.0);
         let size = tile(film, COLUMN, margin);

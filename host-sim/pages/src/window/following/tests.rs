@@ -126,7 +126,7 @@ impl Drop for Running {
     }
 }
 
-/// Returns the answers of a tracker that simply reads all frames in order, locked in `frames`.
+/// Returns the answers of a tracker that reads all frames in order and is locked anew in each of `frames`.
 fn expected(kind: MethodKind, frames: &[usize]) -> Vec<(usize, Report)> {
     let starts = frames.iter().map(|&frame| (frame, lock(frame).rect())).collect();
     let mut follower = Follower::new(variant(kind).build().unwrap(), starts);
@@ -161,7 +161,7 @@ fn a_correction_is_followed_again_alone_and_undone_at_once() {
         (20..=60).map(|frame| (1, frame)).collect::<Vec<_>>()
     );
     assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 20, 40]));
-    // Only frames 20 to 39, between the neighbouring locks, are tracked again.
+    // Removing lock 20 restores earlier answers: only frames 20 to 39 change, and nothing is tracked again.
     let reads = running.scene.read.load(Ordering::SeqCst);
     let rows = running.set(vec![target(1, &[1, 40]), target(2, &[2])]);
     assert_eq!((rows.len(), rows[0].1, rows[19].1), (20, 20, 39));
@@ -324,7 +324,7 @@ fn a_camera_restores_what_was_and_goes_on_from_what_it_keeps() {
         running.refused(vec![target(1, &[3])]),
         "frame 3 of 60: trackers can go back to frame 30 only: lock in a newer frame"
     );
-    // After a change of method, targets locked in a frame that is no longer kept fail; others are still tracked.
+    // After a change of method, tracking fails for targets whose lock is in a dropped frame; other targets are tracked.
     running.followed.set_variant(variant(MethodKind::Robust));
     let (said, _) = running.heard();
     assert!(said.iter().any(|said| said.starts_with("frame 1 is not kept any more")), "{said:?}");
