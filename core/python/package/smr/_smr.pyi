@@ -19,72 +19,63 @@ _Four = tuple[float, float, float, float]
 __version__: str
 
 class Tracker:
-    """Follows one target. `Paper` and `Robust` are its kinds.
+    """Follows one target. Its subclasses are `Paper` and `Robust`.
 
-    Frames are numpy arrays of uint8, gray (height, width) or BGR (height, width, 3), all of the same size. Any strides
-    will do. OpenCV is not needed. The lock of Python is free while a call works; do not write to the frame then.
+    Frames are numpy arrays of uint8, gray (height, width) or BGR (height, width, 3), of one size, with any strides.
+    OpenCV is not needed. Calls release the lock of Python (GIL); do not write to the frame meanwhile.
     """
     @property
     def answer(self) -> Optional[Answer]:
-        """The `Answer` of the last `update` or `follow`; None before it, and after `init` and `restore`."""
+        """The `Answer` of the last `update` or `follow`; None directly after `init` or `restore`."""
     @property
     def quality(self) -> Optional[float]:
-        """Distinctness of the target from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
-        target.
-        """
+        """Distinctness of the target from its surroundings at `init`: 0 (may slip unnoticed) to 1. None without a target."""
     @property
     def options(self) -> dict[str, Any]:
-        """All options by their names, with the preset: `type(tracker)(**tracker.options)` makes one that is alike."""
+        """All options by name, and the preset: `type(tracker)(**tracker.options)` creates an equal tracker."""
     def init(self, frame: _Frame, box: _Box) -> None:
-        """Starts to follow what is in `box`, (x, y, width, height) in pixels, which must lie inside the frame.
+        """Starts to follow the target in `box`, (x, y, width, height) in pixels, which must lie inside the frame.
 
-        Forgets any target before. May be called at any time. Fractions are rounded to whole pixels. Raises ValueError if
-        the box does not lie inside, or its size does not suit the tracker.
+        Forgets any previous target. May be called at any time. Fractions are rounded to whole pixels. Raises ValueError
+        if the box is not inside, or its size does not suit the tracker.
         """
     def update(self, frame: _Frame) -> tuple[bool, Box]:
-        """Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False only if the target
-        is lost: a box that is uncertain has True. `answer` says which, as `follow` does.
+        """Finds the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False only if the target
+        is lost; the attribute `answer` tells whether the box is uncertain.
         """
     def follow(self, frame: _Frame) -> Answer:
-        """Looks for the target in the next frame: the whole `Answer`."""
+        """Finds the target in the next frame and returns the whole `Answer`."""
     def window(self) -> Optional[Box]:
-        """The part of the frame that the next update reads, in whole pixels, or None without a target."""
+        """The part of the frame that the next update reads, in whole pixels; None without a target."""
     def sweep_window(self) -> Optional[Box]:
-        """A second part that the next update reads to search for a lost target, in whole pixels, or None."""
+        """The second part that the next update reads, to search for a lost target, in whole pixels; or None."""
     def moved(self, right: float, down: float) -> None:
-        """Says that the camera turned: what was at (x, y) is expected at (x + right, y + down) in the next frame. In
-        pixels, rounded to 1/256.
-        """
+        """Reports a turn of the camera in pixels: what was at (x, y) is expected at (x + right, y + down) next."""
     def save(self) -> bytes:
-        """The target as bytes, which `restore` reads in Python, Rust, C and MicroPython on any machine, by a tracker with
-        the same preset and options.
-        """
+        """Saves the target as bytes, for `restore` with equal preset and options, in Python, Rust, C or MicroPython."""
     def restore(self, saved: bytes) -> None:
-        """Continues with a saved target. The tracker must have the options of the one that saved it; the error names the
-        first one that differs.
-        """
+        """Continues with a saved target. It must be saved with equal options; the error names the first that differs."""
 
 class Paper(Tracker):
     """The tracker of the paper: fast, for a target that keeps its size.
 
-    `preset` is "camera" (bounded time and memory) or "paper" (the authors' program). Each option changes one value of
-    it. Numbers are whole; `options` shows those in use.
+    `preset` is "camera" (bounded time and memory) or "paper" (the authors' program). Options change its values.
 
-    - `k`, a tuple of two whole numbers of 1 to 65535: The next threshold alpha as a part of the largest difference of two pixels of template and box.
+    - `k`, a tuple of two whole numbers of 1 to 65535: The factor of alpha: the next alpha is `k` times the largest change of a pixel in an update of the template.
     - `gate_tracking`, a tuple of two whole numbers of 0 to 65535: The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0 is accepted.
-    - `gate_leaving`, a tuple of two whole numbers of 0 to 65535: The ratio that is needed if the box at the peak is partly outside the frame.
-    - `gate_returning`, a tuple of two whole numbers of 0 to 65535: The ratio that is needed after a box was partly outside the frame, until a lost target is found again.
-    - `gate_lost`, a tuple of two whole numbers of 0 to 65535: The ratio that is needed to find a lost target again.
-    - `gate_lead`, a whole number of 0 to 65535: The lead over the runner-up that is enough without any of these ratios, in fully similar pixels.
-    - `least_ratio`, a whole number of 0 to 65535: The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns off the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean absolute deviation), and at most half of all pixels more than the template has may be 0 or 255.
+    - `gate_leaving`, a tuple of two whole numbers of 0 to 65535: The ratio of peak and runner-up that is needed if the box at the peak is partly outside the frame.
+    - `gate_returning`, a tuple of two whole numbers of 0 to 65535: The ratio of peak and runner-up that is needed after a box was partly outside the frame, until a lost target is found again.
+    - `gate_lost`, a tuple of two whole numbers of 0 to 65535: The ratio of peak and runner-up that is needed to find a lost target again.
+    - `gate_lead`, a whole number of 0 to 65535: The lead of the peak over the runner-up that is enough whatever their ratio is, in fully similar pixels.
+    - `least_ratio`, a whole number of 0 to 65535: The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns off the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean absolute deviation), and its pixels at 0 or 255 may exceed those of the template by at most half of all pixels.
     - `first_threshold`, a whole number of 1 to 255: alpha of the first update, in gray levels. Pixels that differ by less are similar.
-    - `least_threshold`, a whole number of 0 to 255: The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene no pixel counts once the light changes.
+    - `least_threshold`, a whole number of 0 to 255: The least alpha of later updates, in gray levels. 0 (the paper's value) and 1 set no bound, so that after a still scene a change of light leaves no pixel that matches.
     - `padding`, a whole number of 0 to 65535: The width of the black border around the frame, in pixels: how far a box may leave the frame.
-    - `window`, a tuple of two whole numbers of 0 to 65535: The radius of the search window around the last place, in pixels.
+    - `window`, a tuple of two whole numbers of 0 to 65535: The radius of the search window around the last position, in pixels.
     - `growth`, a whole number of 0 to 65535: The growth of the window in each frame while the target is lost, in pixels on each side.
     - `window_limit`, a tuple of two whole numbers of 0 to 65535: The largest radius while the target is lost, in pixels; at least `window`. The padded frame always bounds it.
     - `neighbourhood`, a whole number of 0 to 65535: The runner-up is the best score more than this many pixels from the peak, in x or in y.
-    - `runner_up_always`, True or False: The runner-up is searched in every frame, which takes several times as long, not only where the gate's decision depends on it.
+    - `runner_up_always`, True or False: The runner-up is searched in every frame, which takes several times as long, not only if the gate needs it.
     - `update_zone`, a tuple of four whole numbers of 0 to 65535: The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels.
     """
     def __new__(
@@ -112,8 +103,7 @@ class Paper(Tracker):
 class Robust(Tracker):
     """The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
 
-    `preset` is "refined" or "robust", which is without the refiner. Each option changes one value of it. Numbers are
-    whole; `options` shows those in use.
+    `preset` is "refined" or "robust" (without the refiner). Options change its values; `options` shows all.
 
     - `size`, True or False: The box follows the size of the target.
     - `sweep`, a whole number of 0 to 255: Windows in which each frame is searched for a lost target, besides the one around its last place. From frame to frame they sweep the whole picture. Each takes about as much work as the search of a frame. 0: no sweep.
@@ -144,9 +134,8 @@ class Recording:
     """A recording as host-sim reads it: a folder of pictures, a video, Y4M, a built-in one such as "street", a camera of
     Linux ("/dev/video0" or its number, 0), or an address ("rtsp://camera.local/stream").
 
-    Iterating over it decodes its frames one at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3)
-    with `color=True`. A camera or an address always gives its newest frame: those that came while the last one was in
-    use are dropped. After a fork, begin to iterate anew.
+    Iterating over it decodes one frame at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3) with
+    `color=True`. A camera or an address yields its newest frame and drops older ones. After a fork, iterate anew.
 
     Videos, cameras and addresses need ffmpeg (not OpenCV) on the PATH. Raises ValueError if the recording cannot be
     opened; iterating raises OSError at a damaged frame, or if a camera fails.
@@ -154,45 +143,41 @@ class Recording:
     def __new__(cls, path: Union[_Path, int], *, color: bool = False) -> Recording: ...
     @property
     def fps(self) -> Optional[float]:
-        """The frames in a second, by the times of the first ones; None where they have no times, or come at their own."""
+        """Frames per second, by the times of the first frames; None for a live source or without times."""
     @property
     def size(self) -> Optional[tuple[int, int]]:
-        """The width and the height of its frames in pixels; None for a camera or an address."""
+        """Width and height of the frames in pixels; None for a camera or an address."""
     @property
     def name(self) -> str:
         """The name of the folder or file."""
     @property
     def is_live(self) -> bool:
-        """True for a camera or an address: its frames have no end, and come at their own time."""
+        """True for a camera or an address, whose frames have no end and arrive in real time."""
     @property
     def start(self) -> Optional[_Four]:
-        """The initial box, which lies beside the recording: (x, y, width, height) in pixels, or None."""
+        """The initial box, from a file beside the recording: (x, y, width, height) in pixels, or None."""
     @property
     def truth(self) -> Optional[list[Optional[_Four]]]:
-        """The box of each frame, (x, y, width, height) in pixels, None where the target is hidden. None without ground
-        truth.
-        """
+        """The true box of each frame, (x, y, width, height) in pixels or None (hidden target). None without ground truth."""
     def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[npt.NDArray[np.uint8]]: ...
     def score(self, boxes: Sequence[Optional[_Box]]) -> dict[str, Any]:
-        """The figures of `host-sim eval` for any tracker's boxes, as a dict by their names.
+        """Scores any tracker's boxes: the figures of `host-sim eval`, as a dict by their names.
 
         `boxes` has (x, y, width, height) in pixels for each frame, or None where the tracker has no answer. Raises
         ValueError without ground truth, or if the number of boxes differs from it.
         """
 
 def start_beside(path: _Path) -> Optional[_Four]:
-    """The initial box that lies beside a file, (x, y, width, height) in pixels, or None. Its frames are not read.
+    """The initial box, from a file beside `path`: (x, y, width, height) in pixels, or None. Reads no frame.
 
     Raises ValueError if a file with boxes cannot be read.
     """
 def recordings(paths: Sequence[_Path]) -> list[os.PathLike[str]]:
-    """The recordings in folders, as host-sim finds them: a path each. Raises ValueError if a folder has none."""
+    """Finds the recordings in folders, as host-sim does: a list of paths. Raises ValueError if a folder has none."""
 def measure(path: _Path, trackers: Mapping[str, Tracker], starts: Union[str, int]) -> dict[str, list[Any]]:
-    """Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as columns. `smr.evaluate`
-    takes many recordings, and says what `starts` may be.
+    """Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as a dict of columns. See
+    `smr.evaluate`, which takes many recordings, for `starts`.
     """
 def follow(trackers: Sequence[Tracker], frame: _Frame, threads: int) -> list[Answer]:
-    """For `Group`: the answers of all trackers in the next frame, by at most `threads` threads. If one of them cannot follow, or
-    is in use, none does.
-    """
+    """Updates all trackers of a `Group` on at most `threads` threads, or no tracker if any cannot follow or is in use."""
