@@ -24,9 +24,9 @@ pub struct Report {
     pub flights: Vec<Flight>,
     /// Size of an incomplete last entry in bytes, where the record was cut off; else 0.
     pub cut_off: usize,
-    /// Damage in the record, where the replay stopped.
+    /// Message about the damage at which the replay stopped.
     pub damage: Option<String>,
-    /// First answer that differs from the recorded one; the replay stops there.
+    /// First difference from the record; the replay stops there.
     pub difference: Option<Difference>,
 }
 
@@ -35,10 +35,10 @@ pub struct Report {
 pub struct Flight {
     /// Name of the tracker: `smr` or `robust`.
     pub method: &'static str,
-    /// Locks, and answers, that equal the recorded ones.
+    /// Number of locks, and number of answers, that equal the recorded ones.
     pub locks: u64,
     pub answers: u64,
-    /// Turns of the camera that firmware reported, and saved targets that it restored.
+    /// Number of camera turns that firmware reported, and number of saved targets that it restored.
     pub moved: u64,
     pub restored: u64,
     /// Updates that firmware began and cancelled.
@@ -244,7 +244,7 @@ fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn FlightReplay<'a> + 'a>, &'sta
 static TABLES: LazyLock<Vec<Table>> =
     LazyLock::new(|| Table::SCALES.filter_map(|scale| Table::new(scale).ok()).collect());
 
-/// Creates the replay with the table whose entries are in the record. `rest` has the settings that a record lacks.
+/// Creates the replay with the similarity table that equals the record's. `rest` has settings that a record lacks.
 fn run<'a, T: Recorded<Config: 'a> + 'a>(
     begin: &Begin<'_>,
     mut rest: T::Config,

@@ -1,4 +1,4 @@
-/// Breaks `text` into lines of at most `width` characters, each after `before`.
+/// Breaks `text` into lines of at most `width` characters, each with the prefix `before`.
 #[must_use]
 pub fn wrapped(text: &str, before: &str, width: usize) -> String {
     let (mut lines, mut line) = (String::new(), String::new());

@@ -11,7 +11,7 @@ use std::thread;
 use std::time::Duration;
 
 const WAIT: Duration = Duration::from_millis(20);
-/// Polls until a script has taken two minutes: long enough for a busy machine.
+/// Number of polls until a script times out after two minutes, long enough for a busy machine.
 const MOST_WAITS: usize = 6000;
 
 /// Finds headless Chromium under one of its names. If there is none, prints that the test is skipped and returns

@@ -10,8 +10,7 @@ use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-///
-/// ` and `\xNN`.
+/// Resolves `\n`, `\r`, `\0` and `\xNN`; before any other character, the backslash is removed.
 fn unescaped(text: &str) -> Vec<u8> {
     let (mut bytes, mut rest) = (Vec::new(), text.as_bytes());
     while let [first, after @ ..] = rest {

@@ -30,7 +30,7 @@ fn videos_of_phones_are_shown_upright_and_whole() {
     };
     assert_eq!((size(&plain), size(&turned)), ((320, 240), (240, 320)));
 
-    // Removes two of three frames, and the others keep their times: ffmpeg must not repeat frames to fill the gaps.
+    // Keeps every third frame with its time: ffmpeg must not repeat frames to fill the gaps.
     let some = ["testsrc=size=321x241:rate=30:duration=1", "-vf", "select=not(mod(n\\,3))", "-vsync", "vfr"];
     film(&uneven, &[&some[..], &["-pix_fmt", "yuv444p"]].concat());
     let said = host_sim(&["track", utf8(&uneven), "--init", "100,100,40,40"]);
@@ -69,7 +69,7 @@ fn an_ffmpeg_that_hangs_while_it_writes_is_ended() {
     let path = std::env::join_paths(
         std::iter::once(folder.path().to_owned()).chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
     );
-    // An ffmpeg that hangs: one reads nothing, one reads all input and never ends.
+    // Two versions of an ffmpeg that hangs: the first reads nothing, the second reads all input and never ends.
     for script in ["exec sleep 60", "cat > /dev/null; exec sleep 60"] {
         fs::write(&ffmpeg, format!("#!/bin/sh\n{script}\n")).unwrap();
         fs::set_permissions(&ffmpeg, fs::Permissions::from_mode(0o755)).unwrap();

@@ -5,7 +5,8 @@ use serde_json::json;
 use std::fs;
 use std::path::Path;
 
-/// `host-sim/FIGURES.md` shows them. To make them again: `host-sim report synthetic --figures DIR`, then add `synthetic-` before each name.
+/// The figures of `host-sim/FIGURES.md`. To draw them again, run `host-sim report synthetic --figures DIR`, then add
+/// `synthetic-` before each name.
 #[test]
 fn the_documentation_shows_all_five_as_the_command_draws_them() {
     let folder = tempfile::tempdir().unwrap();

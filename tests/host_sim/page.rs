@@ -247,7 +247,7 @@ fn the_address_names_the_frame() {
     browser::act("the_address_names_the_frame", &page, 1280, "recording=border&frame=20", ADDRESS);
 }
 
-/// Gives the page data whose first frame is 601 instead of 1: 240 frames.
+/// Checks the frame numbers of a page with 240 frames, the first of which has the number 601.
 const NUMBERS: &str = r##"
   is("the number in the address", place(), "frame 700 of 840");
   is("of the picture", document.getElementById("stage").ariaLabel.startsWith("frame 700 of 840, "), true);

@@ -20,7 +20,7 @@ static STEEP: Table = match Table::new(100) {
     Err(_) => panic!("100 is in range"),
 };
 
-/// Every value differs from those of the presets, so a record without one of them gives other answers.
+/// Every value differs from the preset's value, so a record that lacks a value gives other answers.
 fn small_paper() -> paper::Config {
     let mut config = paper::Config::camera();
     config.table = &STEEP;
@@ -194,7 +194,7 @@ fn no_entry_makes_it_panic() {
             let length = u32::from_le_bytes(bytes[at + 8..at + 12].try_into().expect("four bytes")) as usize;
             let mut changed = bytes.clone();
             for _ in 0..=random(3) {
-                // Changes mostly the numbers at the start of an entry; a configuration has its numbers at the end.
+                // Changes bytes at the start of an entry, or at its end, where a configuration has its numbers.
                 let place = if random(2) == 0 { random(length.min(40)) } else { length - 1 - random(length.min(60)) };
                 changed[at + 12 + place] = [0, 1, 0x7F, 0x80, 0xFF][random(5)];
             }
@@ -253,7 +253,7 @@ fn damage_in_the_middle_is_no_verdict() {
     damaged[all[4].0 + 40] ^= 1;
     let out = refused(&damaged, &["bytes at byte", "are damaged", "the entries before it were replayed"]);
     assert!(out.contains("1 answers as recorded"), "{out}");
-    // Removes one entry, as a log that lost it.
+    // Removes one entry, as if a log had lost a line.
     let without = [&bytes[..all[5].0], &bytes[all[6].0..]].concat();
     refused(&without, &["entry 5 is missing"]);
     let mut other = bytes.clone();

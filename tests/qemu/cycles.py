@@ -64,7 +64,7 @@ def spans(trace, mark):
     ended, blocks, pairs, last, printed = [], {}, None, None, (0, 0)
     for line in trace:
         if line.startswith(b"Trace "):
-            # Trace 0: 0x7f59 [base/address/state/limit] name
+            # A block is executed: Trace 0: 0x7f59 [base/address/state/limit] name
             block = blocks.get(line)
             if block is None or printed[0] == block[0]:
                 start = int(line.split(b"/")[1], 16)
@@ -77,14 +77,14 @@ def spans(trace, mark):
                 pairs = Counter() if pairs is None else None
             last = block
         elif line.startswith(b"0x"):
-            # 0x00000404:  f04f 32cc  what it does
+            # Disassembly of a block: 0x00000404:  f04f 32cc  instruction
             address, code = int(line[:10], 16), line[11:].strip().split(b"  ")[0].replace(b" ", b"")
             start = printed[0] or address
             printed = (start, address - start + len(code) // 2)
         elif line.startswith(b"IN:"):
             printed = (0, 0)
         elif line.startswith(b"Stopped execution") and pairs is not None and last is not None:
-            # Removes one count of the block before: this run of it had not begun when the timer was read.
+            # Subtracts one run of the last block: QEMU stopped before the block ran.
             pairs[None, last] -= 1
             last = None
     for pairs in ended:

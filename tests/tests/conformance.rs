@@ -1,5 +1,6 @@
-//! The small recordings in `vectors/`, with an answer to each frame: smr-core gives these answers in one call, in steps, and saved and restored between frames;
-//! the paper's tracker also answers as the float reference. `SMR_RECORD=1 cargo test -p smr-tests conformance` writes them anew.
+//! Checks that smr-core gives the answers recorded in `vectors/`, to whole updates, to updates in steps, and if the
+//! target is saved and restored between frames. For the paper's tracker the float reference must give these answers,
+//! too. `SMR_RECORD=1 cargo test -p smr-tests conformance` records the answers anew.
 
 use host_sim::check::Check;
 use smr_core::paper::{self, Fraction, Radius};

@@ -1,6 +1,5 @@
-//! Checks that the commands in `core/EVIDENCE.md` and in other documents for maintainers can be run. Packages, test
-//! programs, features and tests of these names must exist, host-sim must accept its options, and each script must
-//! exist.
+//! Checks that the commands in `core/EVIDENCE.md` and in other documents for maintainers can be run. The packages, test
+//! programs, features, tests and scripts in them must exist, and host-sim must accept its options.
 
 use clap::CommandFactory;
 use clap::error::ErrorKind;
@@ -83,7 +82,7 @@ fn cargo_test(words: &[&str], packages: &[(PathBuf, String)]) -> Result<(), Stri
         }
     }
     let text: String = tests.iter().map(|folder| sources(folder)).collect();
-    // `track::tests` consists of module names.
+    // A filter such as `track::tests` consists of module names, so the names after `mod` count, too.
     let is_end = |letter: char| !(letter.is_alphanumeric() || letter == '_');
     let named = ["fn ", "mod "].into_iter().flat_map(|what| text.split(what).skip(1));
     let known: Vec<&str> = named.filter_map(|rest| rest.split(is_end).next()).collect();
@@ -97,7 +96,7 @@ fn refusal(command: &str, packages: &[(PathBuf, String)]) -> Result<(), String> 
     match words[..] {
         ["cargo", "test", ref rest @ ..] => cargo_test(rest, packages),
         ["host-sim", ..] => match HostSim::command().try_get_matches_from(&words) {
-            // The text names a command and an option, but no recording.
+            // A document may name a command and an option without a recording, so a missing argument is no error.
             Err(error) if error.use_stderr() && error.kind() != ErrorKind::MissingRequiredArgument => {
                 Err(error.to_string())
             }

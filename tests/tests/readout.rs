@@ -4,8 +4,8 @@
 use smr_core::readout::{Format, Readout};
 use smr_core::{Frame, Image, LockError, Paper, Rect, Robust, Target, Tracker, UpdateError, paper, robust};
 
-/// Draws pictures with a textured target that moves and grows. Three of nine are noise, so that the tracker loses the
-/// target and searches.
+/// Draws pictures with a textured target that moves and grows. Of nine pictures three are noise, so that the tracker
+/// loses the target and searches.
 fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     let (width, height) = (60 + seed * 37 % 200, 50 + seed * 53 % 150);
     let (across, down) = (4 + seed * 29 % (width / 2), 4 + seed * 31 % (height / 2));

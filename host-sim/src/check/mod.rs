@@ -71,7 +71,7 @@ pub struct Check<T: Checked> {
 }
 
 impl<T: Checked> Check<T> {
-    /// Locks both trackers on `target` in the first frame; smr-core then updates in steps of `step` work units.
+    /// Locks smr-core and the reference on `target` in the first frame. Updates of smr-core take steps of `step` units.
     /// `config` and `numbers` must describe the same settings.
     pub fn lock(
         name: &str,

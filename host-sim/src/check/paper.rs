@@ -98,7 +98,7 @@ impl Counts {
         different
     }
 
-    /// Records a frame in which the exact scores peak elsewhere. Returns a violation if their lead exceeds the bound.
+    /// Records a frame whose exact peak is not core's peak. Returns a violation if its lead exceeds twice the bound.
     fn exact_arg_max(&mut self, frame: usize, peaks: &Peaks, step: &Step) -> Option<Violation> {
         let peak = (i64::from(peaks.peak.x), i64::from(peaks.peak.y));
         if peak == step.exact_peak.0 {
@@ -167,7 +167,7 @@ mod tests {
         check.into_report()
     }
 
-    /// The second frames are similar to the first, but have too little contrast or too many pixels at 0 or 255.
+    /// In each case the second frame is similar to the first, but has too little contrast or too many clipped pixels.
     #[test]
     fn other_numbers_of_the_contrast_are_noticed() {
         type Other = (fn(&mut Numbers), [u8; 2], [u8; 2]);

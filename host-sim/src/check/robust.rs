@@ -171,7 +171,7 @@ mod tests {
 
     type Change<T> = (&'static str, fn(&mut T));
 
-    /// Expands each assignment to its text and a function that makes it.
+    /// Expands each assignment to a pair: its text, and a function that performs it.
     macro_rules! changes {
         ($of:ident; $($change:expr),+ $(,)?) => { &[$((stringify!($change), |$of| $change)),+] };
     }
@@ -206,7 +206,7 @@ mod tests {
         }
     }
 
-    /// A changed parameter of the reference must be noticed, on frames that depend on it.
+    /// The check must notice each changed parameter of the reference, on frames that depend on that parameter.
     #[test]
     fn other_numbers_are_noticed() {
         let [seen, _, border] = CHECKED.map(|name| move |numbers| checked(name, Config::refined(), numbers, 40));
@@ -276,7 +276,7 @@ mod tests {
         through(check, [still(0), cut(still(0)), cut(still(0)), still(0)].into_iter())
     }
 
-    /// Noise hides the target until the network gives it up; then the target returns. The network's opinion decides.
+    /// Noise hides the target for 75 frames. The confidence limits are 1, so the refiner's network decides the state.
     fn noisy(mut numbers: Numbers) -> Report {
         let mut config = Config::refined();
         (config.lost_below, config.uncertain_below) = (1, 1);

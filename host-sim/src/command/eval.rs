@@ -239,7 +239,7 @@ impl Eval {
         self.method.is_empty() && self.tracker.says_nothing() && self.recording.says_nothing_of_start()
     }
 
-    /// Opens a recording. With `--frames` its name has the range, because published figures are of all frames.
+    /// Opens a recording. With `--frames` its name gets the range, because published figures apply to all frames only.
     fn open_part(&self, path: &Path) -> Result<Sequence> {
         let mut sequence = self.recording.open(path)?;
         if let Some(frames) = self.recording.frames() {

@@ -12,7 +12,7 @@ pub struct Places<'a> {
     outputs: Vec<(&'static str, &'a Path, Option<Taken>)>,
 }
 
-/// File names that an option accepts: known extensions, or none; without one the name is a folder if `is_folder`.
+/// File names that an option accepts: with a known extension, or without one (a folder if `is_folder` is set).
 #[derive(Clone, Copy)]
 pub struct Taken {
     pub endings: [&'static [&'static str]; 2],
@@ -21,7 +21,7 @@ pub struct Taken {
 
 impl Taken {
     fn takes(self, output: &Path) -> bool {
-        // A device accepts any name. The writer refuses a folder in place of a file.
+        // A device or a folder may have any name. The writer itself refuses a folder in place of a file.
         if fs::metadata(output).is_ok_and(|data| !data.is_file()) {
             return true;
         }

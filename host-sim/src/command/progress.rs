@@ -66,7 +66,7 @@ impl Bar {
         let seconds = self.began.elapsed().as_secs_f64();
         match all {
             Some(all) => {
-                // The mean rate, because the latest one is that of a single recording.
+                // The mean rate since the start, because the latest rate depends on a single recording.
                 let left = seconds * all.saturating_sub(*done) as f64 / *done as f64;
                 format!(": {done} of {all} {}, {left:.0} s left", self.what)
             }
@@ -97,7 +97,7 @@ impl Drop for Bar {
     }
 }
 
-/// Estimate of the number of frames: recordings that are not opened yet count as the mean of the opened ones.
+/// Estimates the number of frames: a recording that is not opened yet counts with the mean length of the opened ones.
 pub struct Expected<'a> {
     bar: &'a Bar,
     state: Mutex<Opened>,

@@ -55,7 +55,7 @@ impl RecordingOptions {
         Some(self.frames.map_or_else(|| FrameRange::from(first), |frames| frames.begun_at(first)))
     }
 
-    /// The range `frames`, counted from the first ground-truth box, like the lines of other trackers' results.
+    /// The range of `--frames`, counted from the first ground-truth box, as in other trackers' result files.
     pub fn frames_of_truth(&self) -> Option<FrameRange> {
         self.frames.map(|frames| frames.counted_from(self.truth_from.map_or(1, NonZeroUsize::get)))
     }

@@ -183,12 +183,12 @@ impl Report {
             if let [(one, _)] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
         let progress = progress::bar(&name, length);
         let budget = Some(self.budget_bytes() / sequences.len());
-        // A default method that refuses the box is left out; of a method that the user named it is an error.
+        // A default method that refuses the box is left out; a method that the user named fails with an error.
         let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
             let (stills, several) = (BTreeSet::new(), targets.len() > 1);
             let mut film = report::watch(sequence, targets, methods, refusal, &stills, budget, || progress.inc())?;
-            // Other trackers' results are of the one target that has ground truth.
+            // Other trackers' results are for a single target, the one with ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames_of_truth())?;
             }

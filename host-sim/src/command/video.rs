@@ -27,7 +27,7 @@ impl Film {
         Ok(Self { film: export::Film::create(out, plan)?, truth: truth.into_iter(), lasts: Vec::new() })
     }
 
-    /// Draws the ground truth in white, and each target's box in a color of its state or of the target.
+    /// Draws the ground truth in white, a single target's box in the color of its state, and several in a color each.
     pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
         let (number, moment) = (frame.number, frame.moment);
         let mut overlay = Overlay::new(frame.color.unwrap_or_else(|| (&frame.gray).into()));

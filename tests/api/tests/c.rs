@@ -88,7 +88,7 @@ typedef int32_t smr_status;
 "
 }
 
-/// Expands to the size of each named type in this library, with the name.
+/// Expands to a map from the name of each type to its size in this library.
 macro_rules! sizes {
     ($($type:ident),* $(,)?) => {
         BTreeMap::from([$((stringify!($type), size_of::<$type>())),*])

@@ -5,7 +5,7 @@
 use smr_core::{Setting, Settings, Shape, paper, robust};
 use std::path::Path;
 
-/// Compares the part of a file between `start` and `end` with `now`, or writes it there.
+/// Compares the text of a file between `start` and `end` with `now`, or replaces it by `now` if `SMR_RECORD` is set.
 fn is_recorded(file: &str, start: &str, end: &str, now: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
     let text = std::fs::read_to_string(&path).expect("the file is there");

@@ -10,7 +10,7 @@ use smr_core::unstable::{CutTable, Scorer};
 use smr_core::{Answer, Image, Rect};
 use std::hint::black_box;
 
-/// A typical threshold: a quarter of the largest change.
+/// A typical threshold of gray-level differences: a quarter of the largest difference between successive templates.
 const THRESHOLD: u16 = 30;
 
 fn scorer(backend: Backend) -> (Scorer<'static>, Patch) {

@@ -8,7 +8,7 @@ use smr_core::unstable::{CutTable, Scorer};
 use smr_core::{Image, Rect};
 use std::hint::black_box;
 
-/// A typical threshold: a quarter of the largest change.
+/// A typical threshold of gray-level differences: a quarter of the largest difference between successive templates.
 const THRESHOLD: u16 = 30;
 
 fn score(criterion: &mut Criterion) {

@@ -8,11 +8,11 @@ import smr
 
 SIDE = 64
 WINDOWS = {"+-16": (16, 16), "+-60x50": (60, 50)}
-# Updates to time, about; repetitions of each, at most; seconds after which the repetitions end. The shortest time counts.
+# Approximate count of timed updates; maximum repetitions of each; seconds after which they end. The shortest counts.
 UPDATES, REPEATS, ENOUGH = 60, 15, 0.01
 # Largest shift of the target in the second frame in pixels; smaller near the frame's edge.
 SPARE = 8
-# Largest time as a fraction of OpenCV's.
+# Trackers of smr and of OpenCV, with the largest allowed ratio of their times.
 GOALS = [
     ("smr.Paper, +-16", "matchTemplate, +-16", 1 / 10),
     ("smr.Paper, +-60x50", "matchTemplate, +-60x50", 1 / 3),

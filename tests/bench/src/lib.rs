@@ -59,7 +59,7 @@ impl Prepared {
     }
 }
 
-/// A template, the target's patch in the next frame, and the threshold of their comparison.
+/// A template, the next frame, and the box in that frame which is compared with the template.
 pub struct Patch {
     pub frame: GrayFrame,
     pub template: GrayFrame,

@@ -150,7 +150,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// Returns one pixel: a frame must have at least one.
+    /// Returns a part of one pixel, the smallest that a frame can have.
     fn corner(&self) -> Option<Part> {
         self.scene.part(Rect::new(0, 0, 1, 1), 0)
     }

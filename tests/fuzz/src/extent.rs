@@ -1,6 +1,6 @@
 //! Limits of the trackers' inputs: the same calls are tested with few large inputs or with many small ones.
 
-/// Limits of one input. A few inputs exceed the sizes.
+/// Limits of one input. On purpose, some inputs have frames and boxes outside these limits.
 pub(crate) struct Extent {
     pub(crate) width: (u16, u16),
     pub(crate) height: (u16, u16),
@@ -8,7 +8,7 @@ pub(crate) struct Extent {
     pub(crate) window: u16,
     pub(crate) grown: u16,
     pub(crate) calls: u32,
-    /// Most updates of the paper's tracker and of the robust tracker.
+    /// Largest number of updates, of the paper's tracker and of the robust tracker.
     pub(crate) updates: [u32; 2],
     /// Compares the saved bytes after each call, not only before a lock and at the end.
     pub(crate) each_call: bool,

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 type Entry = Vec<u8>;
 
-/// The first flight of each tracker's vectors.
+/// Entries of the first flight in each tracker's test vectors.
 static FLIGHTS: LazyLock<[Vec<Entry>; 2]> = LazyLock::new(|| {
     let records: [&[u8]; 2] = [include_bytes!("../../vectors/paper.smr"), include_bytes!("../../vectors/robust.smr")];
     records.map(|record| {

@@ -5,7 +5,7 @@
 //! - `saved`: changed bytes of a saved target.
 //! - `flight`: changed entries of a flight record.
 //! - `readers`: the files, lines and words that host-sim reads.
-//! - `scene`: the frames of both. `extent`: the size of inputs.
+//! - `scene`: the frames of `calls` and `saved`. `extent`: the size of inputs.
 
 mod calls;
 mod extent;
@@ -20,7 +20,6 @@ mod scene;
 use arbitrary::Unstructured;
 use smr_core::similarity::Backend;
 
-/// A fuzz target, which panics if it finds a fault.
 pub type Run = fn(&[u8]);
 
 /// All fuzz targets, each with its name, which is also its folder in `corpus`.

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// The folder of one fuzz target's file.
+/// Temporary folder for the input file of a fuzz target.
 struct Place(TempDir);
 
 thread_local! {

@@ -4,7 +4,7 @@ use crate::extent::Extent;
 use arbitrary::{Result, Unstructured};
 use smr_core::{Frame, Image, Rect};
 
-/// Most pixels of a part of the frame in memory.
+/// Largest number of pixels in a part of the frame in memory.
 const MOST: u32 = 1 << 16;
 
 pub(crate) const KINDS: u8 = 7;
@@ -49,7 +49,7 @@ impl Scene {
         Rect::new(0, 0, self.width, self.height)
     }
 
-    /// Changes the scene to the next frame: moved, darker, another scene, or unchanged.
+    /// Prepares the next frame: moves the scene, changes its brightness or its texture, or leaves it unchanged.
     pub(crate) fn change(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let by: [i8; 2] = [u.arbitrary()?, u.arbitrary()?];
         match u.int_in_range(0..=7_u8)? {
@@ -126,7 +126,6 @@ impl Part {
     }
 }
 
-/// Makes a frame of one or two parts in memory.
 pub(crate) fn frame<'a>(scene: &Scene, first: &'a Part, second: Option<&'a Part>) -> Frame<'a> {
     let (x, y) = first.corner();
     let frame = Frame::part(first.image(), x, y, scene.width, scene.height).expect("it lies in the frame");

@@ -8,7 +8,7 @@ use std::path::Path;
 /// Fuzz targets of host-sim's readers. The others are slow, or find faults only in a long run.
 const READERS: [&str; 8] = ["pnm", "png", "jpeg", "picture", "y4m", "raw", "boxes", "words"];
 
-/// Damaged copies of each file.
+/// Number of damaged copies of each file.
 const TIMES: u32 = 60;
 
 /// Changes up to three bytes, and cuts off the end in half of the copies.

@@ -15,8 +15,8 @@ use std::path::Path;
 const VERSION: u32 = 5;
 const RADIUS: u16 = 16;
 
-/// Records a recording on the host. The record has the saved target after each answer, so that the firmware also
-/// compares templates and weights.
+/// Tracks a recording on the host. Returns the flight record, with the saved target after each answer, so that the
+/// firmware also compares templates and weights.
 pub fn record(sequence: Sequence, method: CoreKind, refiner: bool) -> Result<Vec<u8>> {
     match method {
         CoreKind::Smr => of::<Paper>(paper::Config::camera_within(RADIUS), sequence, method),
@@ -71,7 +71,7 @@ pub struct Report {
     /// Instructions of an update and of its longest step: median, 95th percentile, largest.
     pub updates: [u64; 3],
     longest: [u64; 3],
-    /// Instructions of the lock and of each update.
+    /// Instructions of each update, and of the lock.
     pub counts: Vec<u64>,
     lock: u64,
     /// Largest stack in bytes, of the whole run and of an update.
