@@ -94,6 +94,10 @@ pub fn replay(source: impl Read, every: bool, progress: impl Fn()) -> Result<Rep
             Ok(found) => found,
             Err(damage) => {
                 let begins = !report.flights.is_empty() || !matches!(damage.flaw, Flaw::NoEntry(_) | Flaw::Missing(_));
+                ensure!(
+                    begins || !record.starts_with(&Tag::Begin.bytes()),
+                    "its first entry, SMRB, is damaged: nothing can be replayed"
+                );
                 ensure!(begins, not_a_record());
                 report.damage = Some(damage.to_string());
                 break;

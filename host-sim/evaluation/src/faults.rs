@@ -7,7 +7,7 @@
 use super::matrix::{self, Case, Intervention, Measured, Progress, Protocol, Record, Recording};
 use super::table::{Column, Table, TableName, Tables};
 use super::{MethodKind, Origin, Run, Trajectory, Variant, name_of};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use serde_json::Value;
 use smr_core::{Rect, State};
 use smr_recordings::Sequence;
@@ -107,7 +107,11 @@ impl Protocol for Faults<'_> {
     const IS_COMMON: bool = true;
 
     fn cases(&self, _: usize, recording: &Recording) -> Result<Vec<Case>> {
-        let places = places(recording, self.longest);
+        let (places, longest) = (places(recording, self.longest), self.longest);
+        ensure!(
+            !places.is_empty(),
+            "a fault of {longest} frames fits nowhere: expected a longer recording, with the target's box in most frames"
+        );
         let cases = self.cases.iter().flat_map(|&fault| {
             places.iter().map(move |&(place, target)| {
                 let (frame, end) = (place - LEAD, self.end(place, fault));

@@ -160,12 +160,11 @@ impl FromStr for Fault {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let names = || Kind::value_variants().iter().map(choice_name).collect::<Vec<_>>().join(", ");
-        let (name, amount) = text
-            .split_once(':')
-            .or((text == "away").then_some(("away", "40")))
-            .ok_or_else(|| anyhow!("expected NAME:N, all, light, away or cover; names are {}", names()))?;
-        let Ok(kind) = Kind::from_str(name, false) else { bail!("there is no fault {name}: expected {}", names()) };
+        let (name, amount) = text.split_once(':').unwrap_or((text, if text == "away" { "40" } else { "" }));
+        let Ok(kind) = Kind::from_str(name, false) else {
+            let names = Kind::value_variants().iter().map(choice_name).collect::<Vec<_>>().join(", ");
+            bail!("there is no fault {name}: expected NAME:N, all, light, away or cover; names are {names}")
+        };
         let most = if kind == Kind::Bits { 1000 } else { 9999 };
         let amount = amount.parse().ok().filter(|amount| (1..=most).contains(amount));
         let amount = amount.ok_or_else(|| anyhow!("expected {name}:N with a whole number from 1 to {most}"))?;

@@ -165,6 +165,7 @@ fn samples(bytes: &[u8]) -> Result<Samples> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => png(bytes),
         [0xFF, 0xD8, ..] => jpeg::decode(bytes),
+        [] => Err(damaged(format!("it is empty: {EXPECTED}"))),
         [b'P', b'1' | b'4', space, ..] if space.is_ascii_whitespace() => Err(unread("a bitmap of one bit (PBM)")),
         [b'P', b'2' | b'3' | b'5' | b'6' | b'7', ..] => pnm::decode(bytes),
         _ => match foreign(bytes) {

@@ -16,7 +16,7 @@ pub fn of(error: &anyhow::Error) -> String {
 pub fn of_io(error: &io::Error) -> String {
     let words = match error.kind() {
         ErrorKind::NotFound => "there is no such file",
-        ErrorKind::PermissionDenied => "this user has no permission: expected another path, or other permissions",
+        ErrorKind::PermissionDenied => "this user has no permission to open it",
         ErrorKind::NotADirectory => "it, or a part of its path, is not a folder",
         ErrorKind::IsADirectory => "it is a folder: expected a file",
         ErrorKind::AlreadyExists => "a file or folder of that name exists: expected another name",

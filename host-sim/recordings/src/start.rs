@@ -41,7 +41,7 @@ impl Target {
             let target = &mut targets[at];
             ensure!(
                 target.starts.iter().all(|(other, _)| *other != frame),
-                "--init: two boxes of {} in frame {frame}: expected a name for each target, like --init car=150,100,40,48, or another frame, like --init 150,100,40,48@300",
+                "--init: two values for {} in frame {frame}: expected a name for each target, like --init car=150,100,40,48, or another frame, like --init 150,100,40,48@300",
                 name.as_deref().unwrap_or("one target")
             );
             target.starts.push((frame, *bbox));
@@ -190,7 +190,7 @@ mod tests {
             [(1, true), (9, false), (20, true)]
         );
         for (starts, why) in [
-            (&["a=gone@9", "a=1,2,3,4@9"][..], "--init: two boxes of a in frame 9"),
+            (&["a=gone@9", "a=1,2,3,4@9"][..], "--init: two values for a in frame 9"),
             (&["gone@9"], "--init: the target is gone in frame 9 before its first box"),
             (
                 &["a=1,2,3,4", "a=gone@9", "a=gone@12"],

@@ -117,7 +117,7 @@ fn describe(report: &check::Report<Counts>, out: &mut impl Write) -> io::Result<
         Counts::Paper(paper::Counts { scores, runners_up, .. }) => (
             format!("{scores} scores"),
             format!(
-                "scores, peaks, alpha, boxes, states, templates; the runner-up in {runners_up} frames, where it is asked for"
+                "scores, peaks, alpha, boxes, states, templates; the runner-up in the {runners_up} frames that need it"
             ),
         ),
         Counts::Robust(robust::Counts { responses, .. }) => (
@@ -147,7 +147,7 @@ fn describe_paper(counts: &paper::Counts, out: &mut impl Write) -> io::Result<()
     let paper::Counts { largest_difference, bound, other_peaks, .. } = counts;
     writeln!(
         out,
-        "  largest difference from an exact score: {largest_difference:.1} of at most {bound:.1} units of 1/65535"
+        "  rounding: scores differ from exact ones by at most {largest_difference:.1} units of 1/65535, {bound:.1} are allowed"
     )?;
     if other_peaks.is_empty() {
         return writeln!(out, "  the exact scores have the same peak in every frame");

@@ -35,18 +35,26 @@ pub struct Eval {
     compare: bool,
     /// Run from 5 starts: the given box, 2 pixels to the right, 2 down, and scaled by 0.95 and 1.05 about its centre
     ///
-    /// A shifted or scaled box is rounded to whole pixels and cut at the frame's edge. A box is correct if its IoU with the truth is above
-    /// 0.25. The columns are: correct, the fraction of visible frames with a correct box, mean over the starts; worst, the same fraction
-    /// for the worst start; correct@0.5, the same with IoU above 0.5; F, the harmonic mean of precision and correct; mean IoU, over frames
-    /// with an answer and a visible target; precision, correct answers over all answers, including answers while the target is hidden;
-    /// answered/hidden, answers while the target is hidden; found/returns, how often a correct answer followed within 50 frames of the
-    /// target's return; wrong/tracking, wrong frames in state `tracking` over all frames in that state; tracking/wrong, the same frames
-    /// over all wrong frames; unsaid/right, frames with a correct box in another state; work/frame, the most comparisons or products of an
-    /// update; us/frame, microseconds of an update.
+    /// A shifted or scaled box is rounded to whole pixels and cut at the frame's edge. A box is right if its IoU with the
+    /// truth is above 0.25. The columns:
+    ///
+    ///   correct           visible frames with a right box, of all visible frames; mean over the starts
+    ///   worst             the same from the worst start
+    ///   correct@0.5       the same with an IoU above 0.5
+    ///   F                 harmonic mean of precision and correct
+    ///   mean IoU          over frames with an answer and a visible target
+    ///   precision         right boxes, of all answers, also of those while the target is hidden
+    ///   answered/hidden   answers while the target is hidden, of these frames
+    ///   found/returns     returns of the target with a right box within 50 frames, of all returns
+    ///   wrong/tracking    wrong frames called `tracking`, of all frames called `tracking`
+    ///   tracking/wrong    wrong frames called `tracking`, of all wrong frames
+    ///   unsaid/right      right boxes not called `tracking`, of all right boxes
+    ///   work/frame        comparisons or products of the costliest update
+    ///   us/frame          microseconds of an update
     ///
     /// Below the recordings host-sim prints the means over recordings with standard errors, the means of each folder and, for several
     /// methods, paired differences from the first. It keeps one recording in memory at a time, with at most 1 GiB of frames.
-    #[arg(long, conflicts_with = "compare")]
+    #[arg(long, conflicts_with = "compare", verbatim_doc_comment)]
     robustness: bool,
     /// With --robustness: the starts of each recording. 1: the given box only; every:N: each N-th frame in which the target is visible
     /// [default: 5]
@@ -120,7 +128,8 @@ impl TableOptions {
         let Some(part) = self.part else { return Ok(()) };
         ensure!(self.format == Layout::Csv, "--part chooses a table of --format csv: expected both");
         let names = || known.iter().map(|name| name.text()).collect::<Vec<_>>().join(", ");
-        ensure!(known.contains(&part), "--part {}: expected one of {}", part.text(), names());
+        let text = part.text();
+        ensure!(known.contains(&part), "--part {text}: expected one of {}, or another kind of measurement", names());
         Ok(())
     }
 
@@ -201,7 +210,7 @@ impl Eval {
         if let Some(signal) = cleanup::stopped_by() {
             return Ok(Outcome::Stopped(signal));
         }
-        ensure!(failed == 0, "{failed} of the measurements failed (errors above); the tables have the others");
+        ensure!(failed == 0, "{failed} of the measurements failed: see the errors above");
         Ok(Outcome::Holds)
     }
 

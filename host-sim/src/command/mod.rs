@@ -35,8 +35,9 @@ use std::str::FromStr;
 /// follows the target of a built-in recording and shows it on a page.
 ///
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM, PAM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with --size), `-`
-/// (Y4M from standard input), or a built-in recording: `street`, `synthetic`, `periodic` (all positions tie), `border`, `noise` (the most
-/// work) or `tiles` (which firmware draws as well). `track` and `view` also open /dev/video0 and addresses such as rtsp://...
+/// (Y4M from standard input), or a built-in recording: `street`, `synthetic`, `synthetic:SEED` (another such scene, without an end: give
+/// --frames), `periodic` (a pattern in which positions tie), `border` (a target at the edge), `noise` (the most work) or `tiles` (which
+/// firmware draws as well). `track` and `view` also open /dev/video0 and addresses such as rtsp://...
 ///
 /// Without --init, the initial box comes from init.txt, gt.txt (both x1,y1,x2,y2), groundtruth_rect.txt (OTB) or groundtruth.txt (VOT,
 /// GOT-10k) beside the recording.

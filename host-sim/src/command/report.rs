@@ -37,7 +37,7 @@ pub struct Report {
     /// It has a player over all frames (keys: space, left, right, home, end), curves with values under the pointer (drag to zoom, shift and
     /// drag to move), and the templates and differences. If there is ground truth, it also has scores, with other trackers' results
     /// (trackers/*.txt beside a recording). It needs no other file and no network.
-    #[arg(short, long, value_name = "DIR|FILE.html", required_unless_present = "figures")]
+    #[arg(short, long, value_name = "DIR|FILE.html")]
     out: Option<PathBuf>,
     /// Size limit of the page in megabytes: frames get smaller, down to 320 pixels, then fewer
     #[arg(long, value_name = "MB", default_value_t = BUDGET, value_parser = from::<NonZeroUsize>(1))]
@@ -50,11 +50,11 @@ pub struct Report {
     /// says why.
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
-    /// With --figures: the frame of figures 1 and 2; the first is 1 [default: the frame where SMR leads SAD most]
-    #[arg(long, value_name = "N", requires = "figures", value_parser = from::<NonZeroUsize>(1))]
+    /// With --figures: the frame of figures 1 and 2, from 2 on [default: the frame where SMR leads SAD most]
+    #[arg(long, value_name = "N", value_parser = from::<NonZeroUsize>(1))]
     frame: Option<NonZeroUsize>,
     /// With --figures: the frames in which the target is hidden, for figure 5 [default: frames without a true box]
-    #[arg(long, value_name = "A..B", requires = "figures")]
+    #[arg(long, value_name = "A..B")]
     hidden: Option<FrameRange>,
     /// Print a JSON object instead of a line for each file
     #[arg(long)]
@@ -76,6 +76,14 @@ struct Written {
 impl Report {
     pub fn run(self) -> Result<Outcome> {
         let taken = |endings| Some(Taken { endings: [endings, &[]], is_folder: true });
+        ensure!(
+            self.out.is_some() || self.figures.is_some(),
+            "expected --out FILE.html for a page, --figures DIR for the paper's figures, or both"
+        );
+        let of_figures = [("--frame", self.frame.is_some()), ("--hidden", self.hidden.is_some())];
+        for (option, _) in of_figures.into_iter().filter(|(_, is_given)| *is_given && self.figures.is_none()) {
+            bail!("{option} is for figures: expected --figures DIR with it");
+        }
         let places = Places::of(&self.paths).writes("--out", self.out.as_ref(), taken(&["html"]));
         places.writes("--figures", self.figures.as_ref(), taken(&[])).check()?;
         let methods = self.tracker.variants(match &self.out {

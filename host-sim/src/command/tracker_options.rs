@@ -19,13 +19,13 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// smr: the paper's, to the letter
+    /// of smr: exactly as in the paper
     Paper,
-    /// smr: for cameras: a bounded window, the template updated up to the edge
+    /// of smr, for cameras: a bounded window, the template updated up to the frame's edge
     Camera,
-    /// robust: without the refiner. In firmware: Config::robust(), smr_config_robust
+    /// of robust, without the refiner; in firmware: Config::robust(), smr_config_robust
     Robust,
-    /// robust: with the refiner. In firmware: Config::refined(), smr_config_refined
+    /// of robust, with the refiner; in firmware: Config::refined(), smr_config_refined
     Refined,
 }
 
@@ -43,7 +43,7 @@ impl Preset {
 #[serde(rename_all = "kebab-case")]
 #[command(next_help_heading = "Tracker (smr, robust)")]
 pub struct TrackerOptions {
-    /// The preset to start from [default: paper; of robust: refined]
+    /// The preset whose settings --set changes [default: paper for smr, refined for robust]
     #[arg(long, value_enum, value_name = "PRESET")]
     config: Option<Preset>,
     /// A setting of the tracker, such as window=16x16, k=7/20, reach=5 or size=off; --help lists all
@@ -95,7 +95,7 @@ impl Known {
         let form = match shape {
             Shape::Switch => "on or off".to_owned(),
             Shape::Number => format!("N, {lowest} to {highest}"),
-            Shape::Fraction => format!("N/M, each {lowest} to {highest}"),
+            Shape::Fraction => format!("N/M, N {lowest} to {highest}, M 1 to {highest}"),
             Shape::Radius => format!("XxY, each {lowest} to {highest}"),
             Shape::Margins => format!("LEFTxTOPxRIGHTxBOTTOM, each {lowest} to {highest}"),
         };
@@ -337,7 +337,7 @@ fn both<C: Settings>(config: &C, error: ConfigError) -> anyhow::Error {
     };
     let text = error.to_string();
     let named = C::SETTINGS.iter().filter(|setting| text.split(' ').any(|word| word == setting.name()));
-    anyhow!("{text}: {}", named.map(shown).collect::<Vec<_>>().join(", "))
+    anyhow!("--set: {text}: expected other values than {}", named.map(shown).collect::<Vec<_>>().join(", "))
 }
 
 /// Two numbers like `60x50`, for example a width and a height.
