@@ -57,7 +57,7 @@ impl Processor {
         self.flags.iter().filter_map(|flag| flag.rsplit_once("target-cpu=")).any(|(_, name)| names.contains(&name))
     }
 
-    /// True if the last `-C target-feature` that names `feature` enables it; `None` if there is none.
+    /// True if the last `-C target-feature` that names `feature` enables it; `None` if no flag names it.
     fn switched(&self, feature: &str) -> Option<bool> {
         let lists = self.flags.iter().filter_map(|flag| flag.rsplit_once("target-feature="));
         let switches = lists.flat_map(|(_, list)| list.split(','));

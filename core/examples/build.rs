@@ -5,7 +5,7 @@ fn main() {
     println!("cargo::rerun-if-changed=../../memory.x");
     let is = |key: &str, value: &str| std::env::var(key).is_ok_and(|found| found == value);
     if is("CARGO_CFG_TARGET_ARCH", "arm") && is("CARGO_CFG_TARGET_OS", "none") {
-        // link.x of cortex-m-rt includes memory.x, which the linker finds in its working folder, the workspace's.
+        // link.x of cortex-m-rt includes memory.x, which the linker finds because it runs in the workspace's folder.
         println!("cargo::rustc-link-arg-bins=-Tlink.x");
         // Programs that log with defmt; `kernels` prints plain text instead.
         for program in ["cycles", "footprint", "minimal", "record", "replay"] {

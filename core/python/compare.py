@@ -77,7 +77,7 @@ def trackers(models):
     """Constructors of trackers by name, and the reasons why a tracker is skipped."""
     makers = {
         "smr.Robust": lambda: OfSmr(smr.Robust()),
-        # Also without the refiner, because its network may be trained on these recordings.
+        # Measures the robust tracker also without the refiner, whose network may be trained on these recordings.
         "smr.Robust(robust)": lambda: OfSmr(smr.Robust("robust")),
         "smr.Paper": lambda: OfSmr(smr.Paper()),
     }
@@ -113,8 +113,8 @@ def measure(path, makers):
     if recording.truth is None or recording.start is None:
         raise ValueError(f"{path}: no ground truth beside it")
     frames = list(recording)
-    # In whole pixels, as OpenCV requires and smr rounds. The score shifts and scales all boxes until the first equals the ground truth, so the
-    # first must be the box that the tracker got.
+    # OpenCV requires a start box in whole pixels, and smr rounds it. The score shifts and scales all boxes until the
+    # first equals the ground truth, so the first must be the box that the tracker got.
     start = tuple(math.floor(side + 0.5) for side in recording.start)
     for name, make in makers.items():
         boxes, milliseconds = run(make(), frames, start)

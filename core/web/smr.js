@@ -85,7 +85,7 @@ const pixelsOf = (windows) => windows.reduce((sum, { width, height }) => sum + w
 
 function ownModule() {
   if (import.meta.url !== undefined) {
-    // Each URL is a literal, because bundlers search for it and cannot evaluate a condition inside.
+    // Each URL is a literal, because bundlers search for `new URL("...")` and cannot evaluate a condition in it.
     return hasSimd() ? new URL("./smr-simd.wasm", import.meta.url) : new URL("./smr.wasm", import.meta.url);
   }
   if (SCRIPT === undefined) {
@@ -432,8 +432,8 @@ export class Tracker {
     [...this.#takers].forEach((take) => take(this.#head, true));
   }
 
-  // Performs `call`, which adds up to `size` bytes and headers of entries to the flight record, and passes these bytes
-  // to all functions given to `record`.
+  // Performs `call`, which adds at most `size` + MOST_AROUND bytes to the flight record, and passes the added bytes to
+  // all functions given to `record`.
   #recorded(size, call) {
     if (this.#takers.size === 0) {
       return call();
@@ -455,7 +455,7 @@ export class Tracker {
     return memory.copy(this.#own.bytes, SINK.fields.used.read(memory.view, this.#own.sink + SINK.places.used));
   }
 
-  // Clears the memory of the flight record, and enlarges it if needed for `size` bytes and two entries' headers.
+  // Clears the memory of the flight record, and enlarges it if it is smaller than `size` + MOST_AROUND bytes.
   #room(size) {
     const { memory } = this.#library;
     const own = this.#own;

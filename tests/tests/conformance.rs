@@ -1,6 +1,6 @@
-//! Checks that smr-core gives the answers recorded in `vectors/`, to whole updates, to updates in steps, and if the
-//! target is saved and restored between frames. For the paper's tracker the float reference must give these answers,
-//! too. `SMR_RECORD=1 cargo test -p smr-tests conformance` records the answers anew.
+//! Checks that smr-core gives the answers recorded in `vectors/` with whole updates, with updates in steps, and with
+//! the target saved and restored between frames. The float reference must give the answers of the paper's tracker, too.
+//! `SMR_RECORD=1 cargo test -p smr-tests conformance` records the answers anew.
 
 use host_sim::check::Check;
 use smr_core::paper::{self, Fraction, Radius};

@@ -254,8 +254,8 @@ fn at_20_degrees() -> Loop<Small> {
     head
 }
 
-/// Measured distance from the centre: 8.9 pixels in the first visible frame, in which the tracker finds the target, at
-/// most 5.3 from the third frame on, 0.3 in the fifth. Sub-pixel errors then add up to 7.0 within a second.
+/// Distance from the centre, as measured: 8.9 pixels in the first visible frame, in which the tracker finds the target;
+/// at most 5.3 in the third and fourth; 0.3 in the fifth. Then sub-pixel errors add up to 7.0 within a second.
 #[test]
 fn a_target_that_was_hidden_is_centred_again() {
     let mut head = at_20_degrees();

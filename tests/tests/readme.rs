@@ -7,7 +7,7 @@
 
 #[test]
 fn the_readme_has_at_most_900_words() {
-    // Counts as `wc -w` does.
+    // Counts the README's words as `wc -w` does.
     let words = include_str!("../../README.md").split_whitespace().count();
     assert!(words <= 900, "README.md has {words} words");
 }
@@ -73,7 +73,7 @@ mod lost {
             let answer = follow(&mut tracker, &frame(&covered), &mut lost_frames, |_| None).unwrap();
             assert!(answer.state != State::Tracking);
         }
-        // The target comes back outside of the search window and of the windows that the next update searches.
+        // The target comes back outside of all windows that the next update searches, so only `detect` can find it.
         let detect = |_: &Frame<'_>| Some(Rect::new(210, 100, 40, 48));
         lost_frames = 10;
         follow(&mut tracker, &frame(&pictures[30]), &mut lost_frames, detect).unwrap();
@@ -195,7 +195,7 @@ mod head {
         let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-5.rs")) };
         let ended = endless().unwrap_err().to_string();
         assert!(ended.contains("size"), "{ended}");
-        // 1500 of 20,000 microseconds point straight ahead.
+        // Duty cycles: a pulse of 1500 in 20,000 microseconds would point straight ahead.
         assert!(led.get() == 1 && pan.get() != tilt.get() && pan.get() > 0, "{pan:?} {tilt:?} {led:?}");
     }
 }

@@ -159,8 +159,8 @@ int main(int argc, char **argv)
                windows[1].width > 0 ? " and more" : "");
         near = abs((int)answer.bbox.x - left) <= 2 && abs((int)answer.bbox.y - top) <= 2;
         /* The tracker must find the target while it is in view, and must not be tracking in the last frame in which it is hidden. If the
-         * target reappears outside the window, the robust tracker searches one more window per frame: it may take three frames, in
-         * which it must not be tracking. */
+         * target reappears outside the search window, the robust tracker may need three frames to find it, because it
+         * searches one more window per frame; until then its state must not be SMR_TRACKING. */
         sought = number >= HIDDEN_TO && number < HIDDEN_TO + 3 && windows[1].width > 0 && answer.state != SMR_TRACKING;
         wrong += (in_view && !near && !sought) || (number == HIDDEN_TO - 1 && answer.state == SMR_TRACKING);
     }

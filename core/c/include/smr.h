@@ -343,8 +343,8 @@ enum smr_state
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /**
-   * The target is in the box. The paper's tracker: the box is inside the frame. The robust tracker: the box matches
-   * the early template (a running mean of the target's pixels that learns very slowly), tile by tile.
+   * The target is in the box, and the box is inside the frame (paper's tracker) or matches, tile by tile, the early
+   * template: a running mean of the target's pixels that learns very slowly (robust tracker).
    */
   SMR_TRACKING = 0,
   /**
@@ -358,7 +358,7 @@ enum smr_state
   SMR_UNCERTAIN = 2,
   /**
    * The target is not visible; the search continues. The box is the last accepted one (paper's tracker) or the
-   * current best guess (robust tracker). Nothing is learned, unless only the refiner's network reports the loss.
+   * current best guess (robust tracker). Nothing is learned, except if the refiner's network alone reports the loss.
    */
   SMR_LOST = 3,
 };
@@ -837,8 +837,8 @@ typedef struct smr_answer {
    */
   uint16_t runner_up_ratio;
   /**
-   * Alpha, the threshold of this frame, rounded up to gray levels (1 to 256): a pixel matched if it differed by
-   * less. 0 from the robust tracker, whose threshold varies over the target.
+   * Alpha, the threshold of this frame, rounded up to whole gray levels (1 to 256): a pixel matched if it differed
+   * from the template by less. 0 from the robust tracker, whose threshold varies over the target.
    */
   uint16_t alpha;
   /**
@@ -953,7 +953,7 @@ typedef struct smr_recorder {
  */
 typedef struct smr_entry {
   /**
-   * The kind of the event; it determines which fields are set.
+   * The kind of this entry; it determines which fields are set.
    */
   smr_entry_kind kind;
   /**

@@ -7,8 +7,8 @@ use smr_core::{Answer, State};
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_state {
-    /// The target is in the box. The paper's tracker: the box is inside the frame. The robust tracker: the box matches
-    /// the early template (a running mean of the target's pixels that learns very slowly), tile by tile.
+    /// The target is in the box, and the box is inside the frame (paper's tracker) or matches, tile by tile, the early
+    /// template: a running mean of the target's pixels that learns very slowly (robust tracker).
     SMR_TRACKING = 0,
     /// The box, with the target in it, is partly outside the frame. The template is not updated. Paper's tracker only.
     SMR_LEAVING = 1,
@@ -16,7 +16,7 @@ pub enum smr_state {
     /// follows something else. The paper's tracker never returns this state.
     SMR_UNCERTAIN = 2,
     /// The target is not visible; the search continues. The box is the last accepted one (paper's tracker) or the
-    /// current best guess (robust tracker). Nothing is learned, unless only the refiner's network reports the loss.
+    /// current best guess (robust tracker). Nothing is learned, except if the refiner's network alone reports the loss.
     SMR_LOST = 3,
 }
 
@@ -40,8 +40,8 @@ pub struct smr_answer {
     pub ratio: u16,
     /// The ratio of the runner-up, the best score away from the peak; 0 if there is none.
     pub runner_up_ratio: u16,
-    /// Alpha, the threshold of this frame, rounded up to gray levels (1 to 256): a pixel matched if it differed by
-    /// less. 0 from the robust tracker, whose threshold varies over the target.
+    /// Alpha, the threshold of this frame, rounded up to whole gray levels (1 to 256): a pixel matched if it differed
+    /// from the template by less. 0 from the robust tracker, whose threshold varies over the target.
     pub alpha: u16,
     /// 1 if the tracker searched for the runner-up. 0 if no decision needed it (see `runner_up_always` in
     /// #smr_paper_config), and always from the robust tracker.

@@ -28,7 +28,8 @@ pub const PAPER_WORKSPACE_SIZE: usize =
 /// Largest size of a saved target of the paper's tracker, in bytes: `SMR_PAPER_SAVED_SIZE` in the header.
 pub const PAPER_SAVED_SIZE: usize = PIXELS + 94;
 
-/// Bytes that the refiner adds to a robust tracker. The header always includes them, so that it fits both builds.
+/// Bytes that the refiner adds to a robust tracker. The header's size always includes them, so that one header fits
+/// libraries with and without it.
 pub(crate) const REFINER: usize = 1056;
 /// Bytes that the refiner adds to a saved target.
 const SAVED_REFINER: usize = 1044;

@@ -33,7 +33,7 @@ pub enum smr_entry_kind {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_entry {
-    /// The kind of the event; it determines which fields are set.
+    /// The kind of this entry; it determines which fields are set.
     pub kind: smr_entry_kind,
     /// The frame. Its parts are the windows that the tracker read.
     pub frame: smr_frame,

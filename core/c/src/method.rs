@@ -25,7 +25,7 @@ use smr_core::{Frame, Rect, Robust, Target, calls};
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
 
-    /// A new target and a new workspace. As constants of zeroes they are written in place, not through the stack.
+    /// A new target and workspace: constants of zeroes, which are written in place, without a copy on the stack.
     const EMPTY: Self;
     const EMPTY_WORKSPACE: Self::Workspace;
 

@@ -70,7 +70,7 @@ pub struct smr_readout {
 }
 
 impl smr_readout {
-    /// Reads the value at `from`, and `next` only once: an interrupt may change it. `line` is not read.
+    /// Reads the struct at `from` without `line`. Reads `next` only once, because an interrupt may change it.
     ///
     /// # Safety
     /// A `from` that passes [`pointer::check`] points to an `smr_readout`.
@@ -85,7 +85,7 @@ impl smr_readout {
         }
     }
 
-    /// Writes `next`, and the line of an error, after the pixels were written.
+    /// After the pixels: writes `next` and, if `result` is an error about a line, that line's index to `line`.
     ///
     /// # Safety
     /// [`Self::read`] has checked `to`.

@@ -89,7 +89,7 @@ pub(crate) trait Tracked {
     fn response_map(&mut self, frame: &Frame<'_>) -> Result<ResponseMap, smr_status>;
 }
 
-/// Filter responses at the offsets of the robust tracker's largest window: rows, then columns.
+/// Filter responses `[row][column]` at the offsets of the robust tracker's largest window.
 #[cfg(feature = "unstable")]
 pub(crate) type ResponseMap = [[i32; 17]; 17];
 

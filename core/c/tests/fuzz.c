@@ -55,7 +55,7 @@ static void *memory(size_t size)
     return made;
 }
 
-/* Mostly a number below `end`, sometimes any number. */
+/* Returns a random number: mostly one below `end`, rarely any 16-bit number. */
 static uint16_t mostly(uint32_t end)
 {
     return (uint16_t)(rarely() ? any() : below(end));
@@ -93,7 +93,7 @@ static void part(smr_part *made, smr_rect wanted)
     made->pixels = (const uint8_t *)memory(made->size);
 }
 
-/* Makes a frame's description wrong, but never with more memory than there is. */
+/* Makes a random field of a frame's description wrong, but never states more bytes (`size`) than the part's memory has. */
 static void spoil(smr_frame *frame)
 {
     smr_part *spoiled = &frame->parts[below(2)];

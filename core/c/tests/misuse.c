@@ -528,7 +528,7 @@ static void capacities(void)
     EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_OK);
 }
 
-/* The tracker needs every pixel of both windows: it refuses a frame that lacks one column or row. */
+/* Lock and update refuse a frame whose pixels in memory lack one column or row of the lock's window or of the update's window. */
 static void windows(void)
 {
     smr_tracker *tracker = good_tracker();

@@ -102,7 +102,7 @@ static smr_frame read_out(int format, const smr_rect windows[2])
     return frame;
 }
 
-/* Both windows lie in one memory, one after the other, and each is a part of the frame. */
+/* The read-out stores two windows in one buffer, one after the other; each is a part of the frame. */
 static void two_windows(int format)
 {
     static const smr_rect windows[2] = {{7, 5, 20, 10}, {40, 9, 11, 8}};

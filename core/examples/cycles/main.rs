@@ -1,4 +1,4 @@
-//! Prints the table of cycles (README.md) in QEMU, which counts instructions instead.
+//! Prints the table of cycles (README.md) in QEMU, which counts instructions in place of cycles.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --features refiner --bin cycles
@@ -34,7 +34,7 @@ mod firmware {
         let Some(peripherals) = Peripherals::take() else { exit(1) };
         let mut timer = Timer::new(peripherals.SYST);
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-        // The 24-bit timer counts down, so it is inverted. In the upper bits differences are right even after a wrap.
+        // The timer counts down, so its value is inverted. Its 24 bits, shifted up by 8, wrap just as a `u32`.
         let done = table::rows(
             || !smr_ticks() << 8,
             |row| {

@@ -3,7 +3,7 @@
 use crate::scene;
 use smr_core::{Frame, Paper, Rect, Robust, Target, paper, robust};
 
-/// Pixels of the search window and of a sweep window, in which a lost target is searched for.
+/// Size of the pixel buffer, for the search window and a sweep window (where a lost target is searched for).
 const PIXELS: usize = 56 * 1024;
 const UPDATES: usize = scene::FRAMES as usize - 1;
 
@@ -18,7 +18,7 @@ pub struct Row {
     pub most: u32,
 }
 
-/// Measures each tracker, and passes its row to `tell`. `clock` counts up and may wrap. Errors name the step.
+/// Measures each tracker, and passes its row to `tell`. `clock` counts up and may wrap. An error says what failed.
 pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Row)) -> Result<(), &'static str> {
     tell(measure::<Paper<4096, 33>>("paper's", paper::Config::camera_within(16), &clock)?);
     let (mut robust, mut refined) = (robust::Config::robust(), robust::Config::refined());

@@ -21,7 +21,7 @@ fn edges() -> [usize; 3] {
     let peripherals = cortex_m::Peripherals::take().expect("they were not taken before");
     crate::alignment::require(&peripherals.SCB);
     let edges = match processor() {
-        // M3: mps2-an385, M4: mps2-an386
+        // Cortex-M3 (QEMU's board mps2-an385) and Cortex-M4 (mps2-an386)
         0xC23 | 0xC24 => [0x2080_0000, 0x0080_0000, 0x2100_0000],
         0xC27 => [0x2080_0000, 0x0080_0000, 0x6000_0000], // M7: mps2-an500
         0xD22 => return [0x2008_0000, 0x0008_0000, 0x2100_0000], // M55: mps3-an547
@@ -32,7 +32,7 @@ fn edges() -> [usize; 3] {
     edges
 }
 
-/// Edges of the only memory of QEMU's machine `virt`, 128 MB: only the first area lies at its end.
+/// Three addresses in the only memory of QEMU's machine `virt` (128 MB): only the first is an edge (the end).
 #[cfg(target_arch = "riscv32")]
 fn edges() -> [usize; 3] {
     const END: usize = 0x8800_0000;

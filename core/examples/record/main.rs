@@ -1,4 +1,5 @@
-//! A flight recorder on the chip: follows a drawn target with both trackers, writes a flight record, and logs the cost.
+//! A flight recorder on the chip: follows a drawn target with both trackers, writes a flight record, and logs how many
+//! instructions an update and its recording take on average.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin record

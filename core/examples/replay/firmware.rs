@@ -1,4 +1,4 @@
-//! Reads a flight record entry by entry, replays it with its tracker, and writes the cost of each update.
+//! Reads a flight record entry by entry, replays it with its tracker, and writes the work and time of each update.
 
 use crate::host_file::HostFile;
 use crate::measure::{Timer, depth, spin, stack};
@@ -28,7 +28,7 @@ trait Replayed: Recorded {
     type Buffer: AsMut<[u8]>;
     const BUFFER: Self::Buffer;
 
-    /// The settings that a record does not contain: the backend, plain loops with the feature `plain`, else the best.
+    /// The settings that a record does not contain: the backend (plain loops with feature `plain`, else the best one).
     fn unrecorded_settings() -> Self::Config;
 }
 
@@ -275,7 +275,6 @@ fn line_of_difference(at: u32, answer: &Answer) -> [u32; LINE] {
     [5, at, 6, left, top, width, height, state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, 0, 0]
 }
 
-/// The FNV-1a hash.
 fn fnv(bytes: &[u8]) -> u32 {
     bytes.iter().fold(0x811C_9DC5, |hash, &byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }

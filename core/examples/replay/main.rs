@@ -1,5 +1,5 @@
-//! Replays a flight record from the debugger's host, and writes the cost of each update. `tests/qemu` makes the record,
-//! runs this firmware in QEMU, and reports the results.
+//! Replays a flight record from the debugger's host, and writes the work and time of each update. `tests/qemu` makes
+//! the record, runs this firmware in QEMU, and reports the results.
 //!
 //! Only one entry of the record is in memory. The firmware has no log and no panic, so that it measures the tracker
 //! alone. It replays the record with whole updates and, if `step.smr` exists, again in steps.

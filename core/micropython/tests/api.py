@@ -119,7 +119,7 @@ raises(TypeError, "window_limit must be a whole number", lambda: smr.Paper(windo
 raises(ValueError, "window must be 0 to 65535", lambda: smr.Paper(window=(70000, 2)))
 raises(TypeError, "padding must be a whole number", lambda: smr.Paper(padding="much"))
 
-# Frames, boxes and buffers
+# Wrong frames, boxes and buffers raise exceptions; all kinds of buffers give the same answers.
 for kind in KINDS:
     tracker = kind()
     lock, update = tracker.lock, tracker.update
@@ -167,7 +167,7 @@ for kind in KINDS:
     raises(TypeError, "buffer must be an object with bytes", lambda: update(7))
     raises(TypeError, "", lambda: update(still, 0, WIDTH, 1, 1))
     raises(ValueError, "work must be 0 to 1073741823", lambda: update(still, work=-1))
-    # A longer stride, and a frame that ends after its last pixel.
+    # A stride larger than the width, and a buffer that ends with the frame's last pixel.
     padded = [bytearray(HEIGHT * 100 - 20) for _ in FRAMES]
     for frame, wide in zip(FRAMES, padded):
         for y in range(HEIGHT):
@@ -294,7 +294,6 @@ for kind, most in zip(KINDS, (4500, 11700 + 1048)):
 del tracker, second
 
 
-# A subclass by the user.
 class Counting(smr.Robust):
     updates = 0
 

@@ -68,7 +68,7 @@ impl<'a> Pixels<'a> {
         Frame::part(pixel, 0, 0, self.width, self.height).map_err(refused)
     }
 
-    /// The frame for a call that reads `windows`. `gray` receives pixels that must be converted.
+    /// The frame for a call that reads `windows`. Pixels of an unsuitable layout are converted into `gray`.
     pub fn frame<'b>(&self, windows: [Option<Rect>; 2], gray: &'b mut Vec<u8>) -> PyResult<Frame<'b>>
     where
         'a: 'b,
@@ -79,7 +79,7 @@ impl<'a> Pixels<'a> {
             let image = Image::with_stride(self.bytes, self.width, self.height, stride);
             return Ok(Frame::whole(image.map_err(refused)?));
         }
-        // An empty or outside window needs only one pixel: the core refuses such a window before it reads pixels.
+        // If a window is empty or outside the frame, one pixel is enough: the core refuses it before it reads pixels.
         let inside = |window: &Rect| self.bounds().contains(*window) && !window.is_empty();
         let [first, second] = windows.map(|window| window.filter(inside));
         let first = first.unwrap_or(Rect::new(0, 0, 1, 1));

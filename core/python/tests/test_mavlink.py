@@ -115,7 +115,7 @@ def test_a_box_is_followed_lost_and_asked_for_again(world, capsys):
     assert one.heard(STATUS)[-1].tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ACTIVE
     for _ in range(20):
         camera.show(FRAMES[0] * 0)
-    # The other ground station selects the target again, by a point, and stops tracking.
+    # The other ground station selects the target again, by a point, and later sends the command to stop tracking.
     camera.show(FRAMES[0])
     x, y, width, height = RECORDING.start
     other.heard(STATUS)
@@ -313,7 +313,7 @@ def test_without_frames_it_answers_and_has_no_place(world, capsys):
         heard(lambda message: message.get_type() == "HEARTBEAT")
     one.link.mav.command_long_send(*OWN, REQUEST, 0, 259, 0, 0, 0, 0, 0, 0)
     heard(lambda message: message.get_type() == "CAMERA_INFORMATION")
-    # A target that is selected in the old frame has no position, either.
+    # A target that is selected while no new frames arrive also has the status ERROR.
     one.link.mav.command_long_send(*OWN, TRACK, 0, *parts(RECORDING.start), 0, 0, 0)
     heard(lambda message: message.get_type() == "COMMAND_ACK" and message.command == TRACK)
     assert heard(lambda message: message.get_type() == STATUS).tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ERROR

@@ -11,7 +11,7 @@ errors! {
     }
 }
 
-/// A camera frame: its size, and one or two images with all or parts of its pixels.
+/// A camera frame: its size, and one or two images, which hold all of its pixels or only parts of the frame.
 ///
 /// [`Frame::whole`] is for whole frames, [`Frame::of_window`] and [`Frame::and_window`] for the windows of the tracker,
 /// [`Frame::part`] and [`Frame::and_part`] for rows with gaps. Coordinates are always those of the whole frame.

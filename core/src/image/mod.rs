@@ -1,4 +1,4 @@
-//! The input: a borrowed [`Image`], a [`Frame`] of one or two images, rectangles, and the [`readout`] of a camera.
+//! The input of a tracker: a borrowed [`Image`], a [`Frame`] of one or two images, rectangles, a camera's [`readout`].
 //!
 //! Constructors check all sizes, so later reads cannot fail.
 

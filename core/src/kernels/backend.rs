@@ -103,8 +103,8 @@ pub enum Backend {
     /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
     Helium,
     /// Any processor without DSP and Helium: words of four pixels in ordinary 32-bit registers for score bounds, and
-    /// unrolled byte loops. The fastest backend on 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC). There
-    /// the `CutTable` in each workspace takes 510 bytes more. Loads words from multiples of four only.
+    /// unrolled byte loops. The fastest backend on 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC), on
+    /// which the `CutTable` in each workspace takes 510 bytes more. Loads words only from multiples of four bytes.
     Swar,
 }
 

@@ -40,7 +40,7 @@ pub struct Areas<'a> {
     pub start: &'a mut [u8],
 }
 
-/// Compares all kernels of `backend`, and those that are selected at compile time.
+/// Compares all kernels of `backend`, and those selected at compile time, with formulas or the plain loops.
 ///
 /// # Panics
 /// If a result differs.
@@ -87,12 +87,11 @@ impl Noise {
     }
 }
 
-/// Fills the areas with noise. Bytes at the same index differ by little or by much: on both sides of a threshold.
+/// Fills the areas with noise. Bytes at one index mostly differ by little, some by much: below or above a threshold.
 fn fill(areas: &mut Areas<'_>) {
     let mut noise = Noise(1);
     for ((first, second), third) in areas.end.iter_mut().zip(&mut *areas.other_end).zip(&mut *areas.start) {
         let [base, offset, other, sign] = noise.bits().to_le_bytes();
-        // Most differences are small, some are large.
         let [near, far] =
             [offset % (2 + other % 64), other].map(|by| if sign & 1 == 0 { by } else { by.wrapping_neg() });
         *first = base;
@@ -422,7 +421,7 @@ fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares filter responses and gradients: many filter shapes, the largest sums, layouts that do not fit.
+/// Compares filter responses and gradients: many filter shapes, the largest sums, and invalid layouts.
 #[inline(never)]
 pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     let odd = [(4, 4), (5, 40), (6, 32), (4, 50), (14, 14), (32, 6), (1, 1), (7, 9), (13, 15)];
@@ -455,7 +454,7 @@ pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares filter responses and gradients, by pieces. Weights and errors are noise, or `sign` times their maximum.
+/// Compares responses and gradients, computed in pieces. Weights and errors are noise, or `sign` times the maximum.
 fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: usize, sign: Option<i16>) {
     let products = Products::new(backend);
     let mut noise = Noise(5);
@@ -507,7 +506,7 @@ pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
             let last = number % 3 > 0;
             let weights = signed(part(areas.end, last, inputs * outputs));
             let patches = signed(part(areas.other_end, last, count * inputs));
-            // Without biases, the products decide the result.
+            // With biases of 0, the products alone determine the result.
             let none = [[0; 4]; 24];
             for (biases, shift) in [(&biases, 20), (&biases, 21), (&biases, 22), (&none, 0), (&none, 9), (&none, 13)] {
                 let layer = Layer { inputs, weights, biases: &biases[..outputs], shift };
@@ -653,7 +652,7 @@ fn cells() {
     }
 }
 
-/// Compares norms with the formula: for random energies, for the smallest energy of each root, and for one less.
+/// Compares norms with the formula: for random energies, for the smallest energy with each root, and for that less 1.
 fn norms_of_rows() {
     let mut noise = Noise(17);
     for (case, kind) in (0..47_200_u32).step_by(STEP).flat_map(|case| [0, 1, 2].map(|kind| (case, kind))) {

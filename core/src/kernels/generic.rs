@@ -167,7 +167,7 @@ macro_rules! by_width {
     }};
 }
 
-/// Table entries below the threshold as two byte planes (low, high), in segments that one instruction looks up.
+/// Table entries below the threshold as two byte planes (low, high). One instruction looks up entries of one segment.
 pub(crate) struct Lookup<V, const SEGMENT: usize, const SEGMENTS: usize> {
     pub(crate) low: [[u8; SEGMENT]; SEGMENTS],
     pub(crate) high: [[u8; SEGMENT]; SEGMENTS],
@@ -568,7 +568,7 @@ fn within<V: Vector>(counts: &mut [Count<V>; 4], allowed: u32) -> u8 {
 /// Number of pixels that passed a comparison.
 #[derive(Clone, Copy)]
 struct Count<V> {
-    /// Counts since the last flush, one in each lane, of at most 255 vectors.
+    /// Count of each lane since the last flush, at most 255.
     bytes: V,
     flushed: u32,
 }

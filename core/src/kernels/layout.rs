@@ -56,8 +56,8 @@ impl Layout {
         (last.checked_add(row)? <= cells).then_some(down)
     }
 
-    /// The rows of offsets that the plain loop computes in place of a faster loop with other pieces of work: all rows
-    /// in the first piece, none in later pieces.
+    /// Rows of offsets for the plain loop, if it replaces a faster loop whose pieces of work are not rows of offsets:
+    /// all rows if `pieces` includes the first piece, else none.
     #[allow(dead_code)] // for backends whose pieces are not rows of offsets
     pub(crate) fn all_rows_in_first_piece(self, pieces: Range<usize>) -> Range<usize> {
         if pieces.start == 0 { 0..self.span } else { 0..0 }

@@ -77,8 +77,7 @@ impl Products {
     }
 
     /// Adds the gradient of the filter's error, as [`plain::gather`](super::plain::products::gather) specifies. Pieces
-    /// and memory: see [`Products::responses`]. For full speed `spare` has seven more elements than the filter has
-    /// cells.
+    /// and memory: see [`Products::responses`]. Full speed requires a `spare` of seven more elements than filter cells.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn gather<const N: usize>(

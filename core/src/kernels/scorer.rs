@@ -126,8 +126,7 @@ impl<'a> Scorer<'a> {
     }
 
     /// Computes the lowest and the highest pixel of 4x4 blocks for [`Scorer::bound`], as the backend encodes them.
-    /// `low` and `high` begin and end at multiples of four bytes. The rows have three more pixels than there are
-    /// blocks.
+    /// `low` and `high` begin and end at multiples of four bytes. Each row has three more pixels than `low`.
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         debug_assert!(low.len() == high.len() && low.len().is_multiple_of(4));

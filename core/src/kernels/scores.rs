@@ -70,7 +70,7 @@ pub(crate) trait Scores {
     fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 }
 
-/// Decides how often a bound is computed: less and less often while it excludes no offset, at last one time in 64, so
+/// Decides how often a bound is computed: less and less often while it excludes no offset, down to one call in 64, so
 /// that a useless bound costs little. Atomic, so that a scorer can be shared. No result depends on it.
 #[allow(dead_code)] // not every target has a backend that bounds four offsets
 pub(crate) struct Effort {

@@ -98,7 +98,7 @@ fn a_root_is_rounded_down() {
 #[test]
 fn means_are_exact() {
     for cells in 1..=9 {
-        // All combinations of a remainder and the ten bits after it, and large energies.
+        // All energies below `cells << 10`, to combine every remainder with every next ten bits, and large ones.
         let large = (0..30).flat_map(|places| [(1 << places) - 1, (1 << places) + cells / 2, (cells << 26) - 1]);
         for energy in (0..cells << 10).chain(large) {
             assert_eq!(mean_by_parts(energy, cells), energy / cells, "{energy} / {cells}");

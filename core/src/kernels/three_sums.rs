@@ -57,7 +57,7 @@ impl PairedSizes {
         2 * self.down.div_ceil(2) + self.down / 2
     }
 
-    /// The one or two rows of the filter whose sum is row `number` of factors.
+    /// One or two rows of the filter. Their sum is row `number` of the factors.
     pub(crate) fn factors(self, number: usize) -> (usize, Option<usize>) {
         let half = half(self.down, BOTH);
         let sum = (number / half.max(1)).min(SUMS - 1);
@@ -69,13 +69,13 @@ impl PairedSizes {
         self.offsets_of(BOTH)
     }
 
-    /// Number of rows of factors of a partial sum: 0 `upper`, 1 `both`, 2 `lower`.
+    /// Number of rows of factors of the partial sum with index `sum`: `upper` (0), `both` (1) or `lower` (2).
     #[allow(dead_code)] // for backends that go sum by sum
     pub(crate) fn rows_of(self, sum: usize) -> usize {
         half(self.down, sum)
     }
 
-    /// Number of vertical offsets of a partial sum: 0 `upper`, 1 `both`, 2 `lower`.
+    /// Number of vertical offsets of the partial sum with index `sum`: `upper` (0), `both` (1) or `lower` (2).
     pub(crate) fn offsets_of(self, sum: usize) -> usize {
         half(self.span, sum)
     }

@@ -4,7 +4,7 @@
 //! times the code, for few saved instructions. It does not unroll a loop that contains assembly, even empty assembly,
 //! unless the number of iterations is constant.
 
-/// Returns the same iterator, but keeps the compiler from unrolling its loop. Does nothing for Helium, where assembly
+/// Returns the same iterator, but keeps the compiler from unrolling its loop. Does nothing for Helium, where its `asm!`
 /// would prevent vectorization.
 #[inline(always)]
 pub(crate) fn rolled<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {

@@ -9,7 +9,7 @@ use core::fmt;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
-/// The length of the history of turns: the last turn, and one for each frame of the longest delay.
+/// The number of turns of the head that are stored: the last one, and one for each frame of the longest delay (3).
 const TURNS: usize = 4;
 
 /// The configuration of a [`Pursuit`]. The [module](super) has an example.
@@ -175,8 +175,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     }
 
     /// The expected motion of the picture to the next frame, right and down, in units of 1/256 pixel, for
-    /// [`Target::moved`]. It is the effect of the command that was given [`PursuitConfig::delay_frames`] frames before
-    /// the last one.
+    /// [`Target::moved`]: the effect of the command [`PursuitConfig::delay_frames`] frames before the last command.
     #[must_use]
     pub fn picture_motion(&self) -> (i32, i32) {
         let (right, up) = self.turns.get(usize::from(self.delay_frames)).copied().unwrap_or_default();

@@ -19,7 +19,7 @@ pub struct Axis {
     pub max_radians: f32,
     /// The angle at the start. The axis returns to it when the target stays lost.
     pub home_radians: f32,
-    /// Speed per error, in 1/s; more than 0. At 30 frames per second, 10 turns the axis by 1/3 of the error per frame.
+    /// Speed per error, in 1/s; more than 0. A gain of 10 turns the axis by 1/3 of the error per frame at 30 frames/s.
     pub gain_per_second: f32,
     /// The largest error at which the axis holds still; at least 0. One pixel is 1 / focal length (in pixels) radians.
     pub deadband_radians: f32,
@@ -120,7 +120,7 @@ impl<P: SetDutyCycle> Joint<P> {
         Self { axis, servo, pin, radians: axis.home_radians }
     }
 
-    /// Writes the pulse for `radians`. If the pin fails, the stored angle stays, so that the next turn is not larger.
+    /// Writes the pulse for `radians`. If the pin fails, the stored angle stays: the next turn starts from it again.
     pub(super) fn turn_to(&mut self, radians: f32) -> Result<(), P::Error> {
         let duty = self.servo.duty(&self.axis, radians, self.pin.max_duty_cycle());
         self.pin.set_duty_cycle(duty)?;

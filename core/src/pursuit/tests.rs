@@ -127,7 +127,7 @@ fn the_pulses_of_each_frame_are_exact() {
         (None, anywhere, 0.5, [1563, 1500, 0]),
         (None, anywhere, 0.5, [1500, 1500, 0]),
         (None, anywhere, f32::MAX, [1500, 1500, 0]),
-        // The hold ends 0.5 seconds before the end of the frame. After a new sighting it begins again.
+        // The hold of 1 second ends 0.5 seconds before the second frame. After a new sighting it begins again.
         (Some(Tracking), far_right, 0.25, [1750, 1500, 1]),
         (None, anywhere, 1.5, [1625, 1500, 0]),
         (Some(Tracking), far_right, 0.25, [1875, 1500, 1]),
@@ -290,7 +290,7 @@ fn the_tracker_is_told_how_far_the_picture_moves() {
     }
 }
 
-/// Axes with ordinary and extreme values; some products overflow.
+/// Axes with ordinary and extreme values; products of the extreme ones overflow.
 fn any_axis() -> impl Strategy<Value = Axis> {
     let rate = || prop_oneof![0.01..50.0f32, Just(f32::MIN_POSITIVE), Just(f32::MAX)];
     let deadband = prop_oneof![Just(0.0), 0.0..0.2f32, Just(f32::MAX)];

@@ -10,7 +10,7 @@ pub(crate) struct Contrast {
     pub(crate) pixels: u32,
     pub(crate) mean: u32,
     pub(crate) deviation: u32,
-    /// Pixels clipped at 0 or 255.
+    /// The number of pixels of gray level 0 or 255.
     clipped: u32,
 }
 
@@ -81,7 +81,7 @@ mod tests {
         assert_eq!((contrast.mean, contrast.deviation, contrast.clipped), (127, 32768 * 127 + 32767 * 128, 65535));
         let contrast = of(&board[..65536], 256, 256);
         assert_eq!((contrast.mean, contrast.deviation, contrast.clipped), (128, 32768 * 255, 65536));
-        // Each pixel of the first row deviates by 254, nearly the largest possible value.
+        // Each pixel of the first row deviates by 254 from the mean, nearly the largest possible value.
         let mut rows = [255; 257 * 255];
         rows[..257].fill(0);
         let contrast = of(&rows, 257, 255);

@@ -1,4 +1,4 @@
-//! The exp table: the specification of p, the similarity of two pixels (step 3 of the method).
+//! The exp table, which specifies p, the similarity of two pixels (step 3 of the method).
 //!
 //! A `const fn` computes it in integers, so it is a constant in flash and the same on every platform.
 
@@ -42,7 +42,7 @@ impl Table {
     /// The largest number of pixels whose similarities a score can sum without overflow: 65537.
     pub const MAX_PIXELS: usize = kernels::MAX_PIXELS;
 
-    /// The scales that [`Table::new`] accepts, from the steepest to the flattest.
+    /// The scales that [`Table::new`] accepts, from that of the steepest table (1) to that of the flattest (4096).
     pub const SCALES: core::ops::RangeInclusive<u16> = 1..=4096;
 
     /// The paper's table: intensities run from 0 to 1, so a difference of d gray levels has p = exp(-d / 255).

@@ -63,9 +63,9 @@ pub struct Answer {
     /// Confidence in the box. [`Paper`](crate::Paper): the ratio, or 0 when lost. [`Robust`](crate::Robust): a running
     /// mean of 2/3 * the early template's agreement + 1/3 * min(2 * the filter's response, 1).
     pub confidence: u16,
-    /// Similarity of the target in the box and the template. [`Paper`](crate::Paper): the similarity matching ratio,
+    /// Similarity of the pixels in the box to the template. [`Paper`](crate::Paper): the similarity matching ratio,
     /// which is the peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth
-    /// lowest ratio of the 16 tiles of the early template; 0 if the patch has too little contrast or is clipped.
+    /// lowest ratio of the 16 tiles of the early template; 0 if the box has too little contrast or is clipped.
     pub ratio: u16,
     /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` from
     /// `Robust`, and if no decision depended on it: see [`runner_up_always`](crate::paper::Config::runner_up_always).
@@ -79,8 +79,8 @@ pub struct Answer {
     pub found_again: bool,
 }
 
-/// The most work of a tracker for any frame, in the units of [`Tracker::update_step`](crate::Tracker::update_step).
-/// [`Target::most_work`](crate::Target::most_work) computes it.
+/// Upper bounds of a tracker's work for any frame, in units of [`Tracker::update_step`](crate::Tracker::update_step).
+/// [`Target::most_work`](crate::Target::most_work) computes them.
 ///
 /// ```
 /// use smr_core::{Paper, Robust, Target, paper, robust};
@@ -99,11 +99,11 @@ pub struct Answer {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct MostWork {
-    /// The most work of an update.
+    /// Upper bound of the work of an update.
     pub update: u64,
-    /// The most work of a lock.
+    /// Upper bound of the work of a lock.
     pub lock: u64,
-    /// The most work by which a step exceeds its grant, because it finishes the piece of work that it has begun. The
-    /// last step of a call makes one more pass over the template and the weights.
+    /// Upper bound of the work by which a step exceeds its grant, as it completes what it has begun. (A lock of `Paper`
+    /// is one step, whatever its grant.) Not included: one pass over the template and the weights as a call ends.
     pub beyond_a_step: u32,
 }

@@ -280,7 +280,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     }
 
     /// Records that the tracker continues with a saved target. Call it after [`Target::restore`], with the same bytes.
-    /// Later entries do not depend on earlier ones, so a long flight can be split into records.
+    /// Entries from then on do not depend on those before, so a long flight can be split into several records.
     ///
     /// # Errors
     /// The writer's.

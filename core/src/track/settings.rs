@@ -129,7 +129,7 @@ pub trait Settings: Numbers {
         Some(values)
     }
 
-    /// Restores a configuration from `table` and from its other values in a [record](crate::record).
+    /// Restores a configuration from `table` and from the other values (`numbers`), as in a [record](crate::record).
     ///
     /// # Errors
     /// [`ConfigError`] if the values are not those of a valid configuration.
@@ -183,8 +183,8 @@ pub trait Numbers: Copy + Default {
     fn check_all(&self) -> Result<(), ConfigError>;
 }
 
-/// Calls `add` with each value of a record: the entries of the table, then the configuration. The refiner's value is
-/// left out if it is off, so the record equals that of a build without the refiner.
+/// Calls `add` with each value of a record: the entries of the table, then the configuration. The refiner's switch is
+/// left out if the refiner is off, so the record equals that of a build without the refiner.
 pub(super) fn recorded<C: Numbers>(config: &C, add: impl FnMut(u16)) {
     let numbers = config.numbers();
     let numbers = numbers.as_ref();

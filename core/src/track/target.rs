@@ -51,7 +51,7 @@ pub trait Target: Steps {
     /// The largest size of a saved target in bytes: see [`Target::save`].
     const SAVED_SIZE: usize;
 
-    /// The most work of an update, a lock and a step for a box of `width` x `height` pixels, for any frame.
+    /// Upper bounds of the work of an update, a lock and a step for a box of `width` x `height` pixels, for any frame.
     fn most_work(config: &Self::Config, width: u16, height: u16) -> MostWork;
 
     /// A target that is not locked, with the default configuration.
@@ -125,7 +125,7 @@ pub trait Target: Steps {
     fn quality(&self) -> Option<Quality>;
 
     /// Tells the tracker that the camera turned: what was at (x, y) in the last frame is expected at (x + `right`, y +
-    /// `down`) in the next, in units of 1/256 pixel. Box and search window move along, within reach of the frame.
+    /// `down`) in the next, in units of 1/256 pixel. Box and search window move along, but stay on or near the frame.
     /// [`Paper`](crate::Paper) rounds to whole pixels.
     fn moved(&mut self, right: i32, down: i32);
 
@@ -176,7 +176,7 @@ pub(super) fn lockable(bounds: Rect, bbox: Rect) -> Result<(), LockError> {
     if bounds.contains(bbox) { Ok(()) } else { Err(LockError::BoxOutsideFrame) }
 }
 
-/// An option whose empty variant is 0, which `Option` does not guarantee. So a tracker in a `static` takes no flash.
+/// An option whose tag is 0 if empty, which `Option` does not guarantee: so a tracker in a `static` takes no flash.
 #[derive(Clone, Copy, Debug)]
 #[repr(u32)]
 pub(super) enum Slot<T> {

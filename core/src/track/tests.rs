@@ -22,7 +22,7 @@ fn small_paper() -> paper::Config {
     let mut config = paper::Config::camera();
     config.window = paper::Radius { x: 12, y: 12 };
     config.growth = 8;
-    // The gate is strict, so that a wrong box becomes a lost target.
+    // A strict gate: the tracker reports a lost target rather than a wrong box.
     config.gate_tracking = paper::Fraction::new(5, 4);
     config.gate_lead = u16::MAX;
     config
@@ -31,7 +31,7 @@ fn small_paper() -> paper::Config {
 const SIZE: (u16, u16) = (160, 120);
 const TARGET: Rect = Rect::new(60, 45, 24, 20);
 
-/// A frame with a target of tiles at (`x`, `y`) on a background of weaker tiles.
+/// A frame with a target of tiles at (`x`, `y`), on a background of tiles of less contrast.
 fn picture(x: i32, y: i32) -> Vec<u8> {
     let hash = |x: i32, y: i32, seed: u32| {
         ((x.cast_unsigned().wrapping_mul(31) ^ y.cast_unsigned().wrapping_mul(57) ^ seed).wrapping_mul(2_654_435_761)
@@ -168,7 +168,7 @@ fn damaged_bytes_are_refused<T: Target>(config: T::Config) {
     for length in 0..bytes.len() {
         let error = other.restore(&bytes[..length]).unwrap_err();
         assert!(matches!(error, RestoreError::Truncated | RestoreError::NotSaved), "{length}: {error:?}");
-        // As if the power failed while a target was written over an older one, from the start or from the end.
+        // Bytes as after a power failure while a target was written over an older one, forwards or backwards.
         for torn in
             [[&bytes[..length], &older[length..]], [&older[..length], &bytes[length..]]].map(|torn| torn.concat())
         {
@@ -244,7 +244,8 @@ static OTHER_TABLE: Table = match Table::new(100) {
     Err(_) => panic!("in range"),
 };
 
-/// Changes each value by its setting's name. A record keeps the change. An older saved target is refused by that name.
+/// Checks that each value can be changed by its setting's name, that a record keeps the change, and that a target saved
+/// before the change is refused with that name.
 fn settings_have_names<T: Target<Config: Settings + Debug + PartialEq>>(config: T::Config) {
     let bytes = saved(of_scene::<T>(config).target());
     let refusal = |config| T::with(config).unwrap().restore(&bytes).unwrap_err();

@@ -219,9 +219,9 @@ impl<T: Target> Tracker<T> {
         Ok(done.then(|| calls::commit(target, workspace, frame)))
     }
 
-    /// Repeats [`Tracker::update_step`] until `expired` returns true, for a deadline in time. Returns late by at most
-    /// one step of 10,000 units of work (up to 140,000 for [`Robust`](crate::Robust)). After `None`, continue with the
-    /// same frame in the next period: `update_step_until(&frame, || Instant::now() >= end)?`.
+    /// Repeats [`Tracker::update_step`] with 10,000 units of work until the answer is there or `expired` returns true.
+    /// The call may exceed a deadline by one step: up to 140,000 units for [`Robust`](crate::Robust). After `None`,
+    /// continue with the same frame in the next period: `update_step_until(&frame, || Instant::now() >= end)?`.
     ///
     /// # Errors
     /// As [`Tracker::update_step`].

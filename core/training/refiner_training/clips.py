@@ -8,7 +8,7 @@ import numpy as np
 
 from . import boxes
 
-# Minimum side of a target in pixels of the recording: a smaller target does not show its size.
+# Minimum side of a target in pixels of the recording: the size of a smaller target cannot be recognised.
 SMALLEST_SIDE = 3
 
 

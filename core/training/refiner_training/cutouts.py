@@ -69,7 +69,7 @@ def box_inside(rng, frame_shape):
 
 
 def textured(crop):
-    # Only the box, without its surroundings.
+    # Measures the contrast of the box only, without its surroundings.
     margin = round(crops.SIDE * (1 - 1 / crops.CONTEXT) / 2)
     return crop[margin:-margin, margin:-margin].std() > LEAST_CONTRAST
 

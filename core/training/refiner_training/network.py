@@ -6,7 +6,7 @@ it gives the integers of `integers.forward`.
 
 import os
 
-# One thread, which is as fast for so small a network and keeps the order of sums.
+# Limits XLA to one thread, which is as fast for so small a network and keeps the order of sums.
 os.environ.setdefault("XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false")
 
 import jax

@@ -5,7 +5,7 @@ Half of the pairs that begin in the first frame use the tracker's own box, if it
 
 from . import boxes, crops, offsets
 
-# Shares of pairs: the first frame is the first visible one (as in tracking); the second is any (else within NEAR).
+# Share of pairs that start at the first visible frame (as in tracking), and of pairs at any distance (else up to NEAR).
 FIRST_SHARE, FAR_SHARE = 0.4, 0.6
 NEAR = 60
 TRACKED_SHARE = 0.5

@@ -43,7 +43,7 @@ class Chunk:
 
 def draw(sources, pair_count, cutout_count, seed, folder, processes):
     """Draws samples into files in `folder`: pairs, then cut-outs."""
-    # Checked before processes start: a pool whose processes fail at their start never ends.
+    # Checks the recordings before processes start, because a pool whose processes fail at their start never ends.
     if not clips.read(sources):
         raise BadInput("no recording shows its target in two frames")
     samples = opened(folder, pair_count + cutout_count)

@@ -9,7 +9,7 @@ from refiner_training import boxes, crops, cutouts, offsets
 
 
 def test_a_pixel_of_a_crop_lies_where_the_format_says():
-    # Each gray level is the x of its pixel's centre: pixel x covers x to x + 1, so it is x + 0.5.
+    # Each gray level is the x of its pixel's centre, x + 0.5, because pixel x covers x to x + 1.
     frame = np.tile(np.arange(128, dtype=np.float32) + 0.5, (128, 1))
     box = np.array([60.25, 50.0, 24.0, 16.0])
     places = box[0] - 1.75 * box[2] / 2 + (np.arange(32) + 0.5) * 1.75 * box[2] / 32
@@ -73,7 +73,7 @@ def test_a_pasted_piece_fills_its_true_box():
 
 
 def test_the_content_of_a_piece_does_not_shift():
-    # Each gray level is its x, so the pasted crop of the piece's own box must equal the crop from the frame.
+    # Each gray level is its pixel's x, so the pasted crop of the piece's own box must equal the crop from the frame.
     frame = np.tile(np.arange(80, dtype=np.uint8), (80, 1))
     box = np.array([40.0, 40, 20, 20])
     piece = cutouts.Piece(frame, box, np.full((64, 64), 255, np.uint8))

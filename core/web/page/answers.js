@@ -9,7 +9,7 @@ const LEAST = 1024;
 export class Answers {
   #targets = new Map(); // the rows by id
 
-  /** Stores rows [id, frame, state, x, y, ...] as host-sim sends them. A later row of the same frame replaces it. */
+  /** Stores rows [id, frame, state, x, y, ...] as host-sim sends them. Each replaces an earlier row of its frame. */
   take(rows) {
     for (const [id, number, state, ...values] of rows) {
       if (!this.#targets.has(id)) {
@@ -72,7 +72,7 @@ export class Answers {
     }
   }
 
-  /** Returns { last(column) }: the values of a column (such as "ratio") for the answers from `first` to `last`. */
+  /** Returns { last }: `last(column)` lists the values of a column such as "ratio" in the frames `first` to `last`. */
   around(id, first, last) {
     const rows = this.#targets.get(id);
     const numbers = Array.from({ length: Math.max(last - first + 1, 0) }, (_, at) => first + at).filter((number) => rows?.state(number) !== undefined);

@@ -121,8 +121,8 @@ function ask(what, words = "") {
 
 const targetOf = (id) => edits.targets.find((target) => target.id === id) ?? null;
 
-// Returns the box at a point and its part to drag, edges and corners only of the chosen target; null while a target is
-// being added, so that every drag draws a box.
+// Returns the box at a point and the part of it to drag: only the chosen target has edges and corners to drag. Returns
+// null while a target is being added, so that every drag draws a box.
 function gripAt(point, reach) {
   const chosen = edits.chosen;
   for (const target of chosen === null ? [] : [chosen, ...edits.targets]) {
@@ -692,7 +692,7 @@ function hover(number, x) {
   draw();
 }
 
-/** Runs the application on a source. `openers` maps ids of buttons or fields to actions that open other frames. */
+/** Runs the application on a source. `openers` maps ids of buttons or fields to actions that open another source. */
 export async function run(of, openers = {}) {
   try {
     source = of;

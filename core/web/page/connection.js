@@ -28,7 +28,7 @@ export class Connection {
     return createImageBitmap(await (await asked(`frames/${number}.png?part=${x},${y},${width},${height}`)).blob());
   }
 
-  /** Saves the shown frame in the session, for the next start. */
+  /** Saves the number of the shown frame in the session, for the next start. */
   async place(frame) {
     await told("place", { frame });
   }
@@ -108,7 +108,7 @@ export class Connection {
   }
 }
 
-// Loads answers of one of `parts`, if possible the one with the frame `now`, and removes their frames from `parts`.
+// Loads answers in one of the ranges `parts`, preferably the one with frame `now`; removes the loaded frames from it.
 async function answersOf(parts, now) {
   const isHere = ([, first, last]) => first <= now && now <= last;
   const [part] = parts.splice(Math.max(parts.findIndex(isHere), 0), 1);

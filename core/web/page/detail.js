@@ -10,12 +10,12 @@ export class Detail {
   #timer = null;
   #here = null; // { number, part, picture }
 
-  /** `load(number, part)` fetches a part { x, y, width, height } in whole pixels; `came()` is called after it. */
+  /** `load(number, part)` fetches a part { x, y, width, height } in whole pixels; `came()` is called once loaded. */
   constructor(load, came) {
     [this.#load, this.#came] = [load, came];
   }
 
-  /** Requests the visible part `seen` of a frame, if it is small enough, as soon as the user stops moving. */
+  /** Requests the visible part `seen` of a frame, if small enough, once the user has stopped moving the view. */
   want(number, seen, size) {
     const part = around(seen, size);
     const key = `${number} ${Object.values(part)}`;

@@ -126,7 +126,7 @@ export class Drag {
     return this.#page.size() === null ? null : this.#page.grip(this.#place(event), (REACH[event.pointerType] ?? MOUSE_REACH) * this.#unit());
   }
 
-  // Returns the pixels of the frame per CSS pixel.
+  // Returns the number of frame pixels per CSS pixel.
   #unit() {
     return this.#page.view().width / this.#canvas.getBoundingClientRect().width;
   }

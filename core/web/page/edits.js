@@ -38,7 +38,7 @@ export class Edits {
   #future = [];
   #steps = []; // the last changes: the targets after each, and all that was before
 
-  /** The target of the next box; null if that box creates a new target. */
+  /** The target that the next drawn box is for; null if that box creates a new target. */
   get chosen() {
     return this.targets.find(({ id }) => id === this.#chosen) ?? null;
   }
@@ -55,7 +55,7 @@ export class Edits {
     this.#chosen = target?.id ?? null;
   }
 
-  /** Replaces the targets by another page's or a session's, { id, name, locks }, and clears the undo history. */
+  /** Replaces all targets by { id, name, locks } of another page or a session, and clears the undo history. */
   load(targets) {
     [this.#past, this.#future, this.#steps] = [[], [], []];
     const isAdding = this.targets.length > 0 && this.#chosen === null;

@@ -42,7 +42,7 @@ export function drawFigures(table, method, now) {
 export const FRAMES = 300;
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
 
-/** Returns the charts for graph.js of `around`, the answers near a frame (see answers.js); empty if undefined. */
+/** Returns charts for graph.js. `around` has the answers to plot (see answers.js); if undefined, they are empty. */
 export function chartsOf(place, method, around) {
   const lines = (column, read) => (around === undefined ? [] : [{ title: SHORT[method], look: method, numbers: around.last("number"), values: around.last(column).map(read) }]);
   const part = (value) => value / 65535;

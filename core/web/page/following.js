@@ -177,7 +177,7 @@ export class Target {
   rows = new Map(); // by the number of the frame
   #isActive = false;
 
-  /** Keeps the answers of `before`, its former state, up to the frame `from`, where tracking starts again. */
+  /** Takes over the answers before the frame `from`, where tracking starts again, from the former state `before`. */
   constructor(id, locks, from, before) {
     [this.id, this.locks] = [id, locks];
     this.at = from - 1;
@@ -207,7 +207,7 @@ export class Target {
     return before === undefined || before.box === null ? first : before.number;
   }
 
-  /** Stores the answer for a frame; without one the target is gone. Returns the row, if there is one. */
+  /** Stores an answer, or a lock's quality, as the row of a frame and returns it; without both the target is gone. */
   took(number, { answer, quality }, kept) {
     this.at = number;
     this.#isActive = answer !== undefined || quality !== undefined;

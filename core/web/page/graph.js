@@ -59,7 +59,7 @@ export class Graph {
     this.#place();
   }
 
-  /** Multiplies the count of frames shown by `factor`, around the frame `middle`. */
+  /** Zooms around the frame `middle`, so that `factor` times as many frames are shown. */
   zoomBy(factor, middle = this.#shown.now) {
     const { from, to } = this.#span();
     const around = clamp(middle, from, to);

@@ -116,7 +116,7 @@ export class Playback {
     this.#playing = this.#playing && restarted(this.frame);
   }
 
-  /** Loads the picture of a frame for a preview, beside the shown one; null for none. */
+  /** Loads the picture of a frame for the preview, without showing the frame; null ends the preview. */
   peek(number) {
     this.#peeked = number;
     this.#want();

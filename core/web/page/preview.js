@@ -18,7 +18,7 @@ export class Preview {
     place.append(this.#box);
   }
 
-  /** Draws the frame `number`, or hides if it is null, at `x` pixels from the left; `picture` may be undefined. */
+  /** Draws the preview of frame `number` (and `picture`, if given) around `x` pixels from the left; null hides it. */
   draw({ number, x, picture, size, timeOf }) {
     this.#box.hidden = number === null;
     if (number === null) {

@@ -7,7 +7,7 @@ const HEIGHT = 170, LEFT = 56, RIGHT = 22, TOP = 10, BOTTOM = HEIGHT - 34;
 const LABELS = 8;
 
 /**
- * Shows the `entrants` (methods) in the frame `index` or, if it has no picture, in the last one before that has one.
+ * Shows what the `entrants` (methods) compared in frame `index`, or in the last frame up to it that has a picture.
  * `data` is { bar: gray levels per bar, bars: their count } of the histograms.
  */
 export function drawComparisons({ first, pictures: { every, comparisons } }, entrants, index, { timeOf, data }) {

@@ -152,7 +152,7 @@ function draw() {
   drawing ??= requestAnimationFrame(drawPicture);
 }
 
-/** Returns [title, state] of the first trackers, for the corner of the frame. */
+/** Returns [title, state] of the first MOST_STATES trackers in a frame, to display in its corner. */
 function statesAt(index) {
   const truth = recording.entrants.find(({ isTruth }) => isTruth);
   const all = recording.entrants.filter(({ states }) => states).slice(0, MOST_STATES);

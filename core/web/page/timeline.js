@@ -39,7 +39,7 @@ export class Columns {
     }
   }
 
-  /** Recomputes the next columns, at least `budget` frames of them. Returns the count of columns. */
+  /** Recomputes the next columns until they contain `budget` frames. Returns the count of recomputed columns. */
   refresh(states, budget) {
     let seen = 0;
     for (; seen < this.count && budget > 0; seen++) {
@@ -211,7 +211,7 @@ export class Timeline {
     }
   }
 
-  // Recomputes the pixel columns of the shown and the last tracked frame in each drawing, the other columns in turn.
+  // In each drawing, recomputes the pixel columns of the shown and of the last tracked frame, and some others in turn.
   #look(count) {
     const { first, last, frame, followed, strips } = this.#shown;
     const isOther = (one) => one?.count !== count || one.first !== first || one.last !== last;

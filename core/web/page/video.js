@@ -337,7 +337,7 @@ export class Video {
     return Promise.race([new Promise((resolve) => this.#video.requestVideoFrameCallback(resolve)), wait(LATE_MS)]);
   }
 
-  // True if `found` may still be the picture from before the seek to `time`, or one that appeared during the pause.
+  // True if `found` may still be the picture shown before the seek to `time`, or the next one, shown during the pause.
   #isLate(found, before, time) {
     const step = this.#known.step ?? LIKELY_STEP;
     const isThere = found.time <= time + TIME_EPSILON && time < found.time + SLACK * step;

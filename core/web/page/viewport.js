@@ -133,7 +133,7 @@ export class Viewport {
     }
   }
 
-  // Returns the pixels of the frame per CSS pixel.
+  // Returns the number of frame pixels per CSS pixel.
   #unit() {
     return this.seen.width / this.#canvas.getBoundingClientRect().width;
   }

@@ -42,7 +42,7 @@ test("the module draws the built-in recording as host-sim does", { skip: HOST_SI
   }
 });
 
-/** Returns the frames that a target requires, in order, if locks on the box `bad` are refused. */
+/** Returns the frames up to `last` that a target must be tracked in, in order. A lock on the box `bad` is refused. */
 function dues(target, last, bad) {
   const seen = [];
   for (let { next } = target; next <= last; { next } = target) {

@@ -39,7 +39,7 @@ const CODE = `(() => {
   return Array.from({ length: 8 }, (_, bit) => bright(bit) << bit).reduce((sum, one) => sum + one);
 })()`;
 
-// Opens a video. `length` is the count of frames that the page must show before all are decoded; any by default.
+// Opens a video. Before all frames are decoded, the page must display `length` as their count; by default any number.
 async function open(page, file, length = "\\d+") {
   await choose(page, file);
   await page.until(`document.getElementById("name").textContent === ${JSON.stringify(basename(file))} && /^frame 1 of ${length}, 0:00.0$/.test(document.getElementById("place").value)`);

@@ -21,7 +21,7 @@ const FRAMES: usize = 300;
 const MAX_TRACKING_FRAMES: usize = 2;
 /// Covered frame, from 1, by which a tracker must report *lost*.
 const LOST_BY: usize = 30;
-/// Frames after the cover within which the box must become right again.
+/// Number of frames after the cover within which the box must become right again.
 const RECOVERY_FRAMES: usize = 10;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,7 +45,7 @@ const NOT_TRACKING: Goal = ("tracking in more than 2 frames", |of| of.tracking >
 const LOST: Goal = ("not lost by frame 30", |of| of.lost_at.is_none_or(|frame| frame > LOST_BY));
 const RIGHT_AGAIN: Goal = ("not right again", |of| of.right_before && of.right_again.is_none());
 
-/// Counts of a tracker under a cover, over all recordings.
+/// Results of a tracker while one kind of cover hides the target: its counts on each recording.
 struct Row {
     tracker: String,
     origin: Origin,
@@ -76,9 +76,9 @@ struct Covers<'a> {
 }
 
 impl Covers<'_> {
-    /// Returns a frame of another scene than the recording at `place`, scaled to `width` x `height`.
+    /// Returns a frame whose scene is not that of the recording with index `place`, scaled to `width` x `height`.
     fn other(&self, place: usize, width: u16, height: u16) -> Result<GrayFrame> {
-        // Takes the recording half the list away, because neighbours by name often show the same scene.
+        // Skips half of the list of recordings, because recordings next to each other in it often show the same scene.
         let path = match self.paths.len() {
             count if count > 1 && place < count => &self.paths[(place + count / 2) % count],
             _ => Path::new(synthetic::NAME),
@@ -157,7 +157,7 @@ impl Row {
         self.recordings.iter().filter(|of| of.right_before).count()
     }
 
-    /// Returns the number of frames with the state *tracking*: median and maximum over the recordings.
+    /// Returns median and maximum, over the recordings, of the number of covered frames with the state *tracking*.
     fn tracking(&self) -> (usize, usize) {
         let mut all: Vec<usize> = self.recordings.iter().map(|of| of.tracking).collect();
         all.sort_unstable();

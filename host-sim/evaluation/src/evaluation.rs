@@ -1,4 +1,4 @@
-//! Scores of whole recordings, one start each, for trackers run here and result files, beside the paper's figures.
+//! Scores of whole recordings, one start each: of trackers run here and of result files, beside the paper's figures.
 
 use super::matrix::truth_of;
 use super::means::{means, standard_errors};
@@ -34,7 +34,7 @@ pub struct Evaluation {
     pub sequence: String,
     pub visible: usize,
     pub scores: Vec<(Contestant, Score)>,
-    /// Errors of contestants without a score.
+    /// Errors of the trackers and result files that have no score because of them.
     pub failures: Vec<Error>,
     pub notes: Vec<String>,
 }

@@ -17,12 +17,12 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 const LEAD: usize = 10;
-/// Frames after the fault in which the box may become right again.
+/// Number of frames after the fault, up to the end of the run, in which the box can become right again.
 const WATCHED: usize = 50;
 /// Maximum number of frames of a recording at which a fault is inserted, each in a run of its own.
 const MAX_PLACES: usize = 8;
 
-/// The default trackers: both of smr-core.
+/// The default trackers: the two of smr-core.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Robust];
 
 /// Results of a tracker under a fault, over all runs on all recordings.
@@ -44,9 +44,9 @@ struct Counts {
     visible: usize,
     /// Frames during the fault in which the box was right.
     right: usize,
-    /// Frames after the fault until the box was right again; `None` if it never was.
+    /// First frame after the fault, counted from 1, in which the box was right again; `None` if it never was.
     until_right: Option<usize>,
-    /// True if the box was right in the last frame in which the target is visible.
+    /// True if the box was right in the last frame after the fault in which the target is visible.
     right_at_the_end: bool,
     /// Frames from the start of the fault to the end of the run.
     frames: usize,
@@ -55,7 +55,7 @@ struct Counts {
 }
 
 struct Faults<'a> {
-    /// Runs for each frame in which faults begin: first `None`, the control without a fault, then each fault.
+    /// Faults to insert at each chosen frame, one per run; the first, `None`, is the control run without a fault.
     cases: Vec<Option<&'a Fault>>,
     longest: usize,
 }
@@ -186,7 +186,7 @@ impl Counts {
     }
 }
 
-/// Table columns. Frames until the box was right are median and maximum over the runs in which it became right.
+/// Table columns. Frames until the box was right again: median and maximum over the runs in which it became so.
 const COLUMNS: &[Column<Row>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
     ("fault", "fault", 0, |row| row.fault.map_or("none".to_owned(), |fault| fault.to_string()).into()),
@@ -259,7 +259,7 @@ mod tests {
 
     fn open(name: &Path) -> Result<Sequence> {
         let mut sequence = smr_recordings::open(name, &OpenOptions::default())?;
-        // Without ground truth, the start box is taken in all frames. It may be wrong, but no tracker may panic.
+        // Without ground truth, the start box stands for it in all frames: even if it is wrong, no tracker may panic.
         let still = vec![sequence.init; sequence.length.unwrap()];
         sequence.truth.get_or_insert(still);
         Ok(sequence)

@@ -47,7 +47,7 @@ pub(super) trait Protocol: Sync {
     fn figures(&self, variant: &Variant, recording: &Recording, case: &Case, run: &Run) -> Result<Self::Figures>;
 }
 
-/// A run of each tracker on a recording. Frames count from 0.
+/// A run that every tracker makes on a recording. Frames count from 0.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Case {
     /// Name of the start in JSON and in errors; may be empty.
@@ -127,7 +127,7 @@ pub(super) fn measure<'a, P: Protocol>(
             let start = if case.name.is_empty() { String::new() } else { format!(": start {}", case.name) };
             Ok((case.clone(), figures.with_context(|| format!("{name}: {}{start}", variant.name))?))
         };
-        // Runs differ in length, so a thread takes one at a time.
+        // Each thread takes one run at a time, because runs differ in length.
         let runs: Vec<Result<_>> = held.cases.par_iter().with_max_len(1).map(run).collect();
         let runs = runs.into_iter().collect::<Result<_>>()?;
         Ok(Record { place: held.place, sequence: name.clone(), variant, runs })

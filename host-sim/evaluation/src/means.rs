@@ -31,7 +31,7 @@ mod tests {
 
     #[test]
     fn by_hand() {
-        // Mean 0.5; squares 0.09 + 0.01 + 0.16 = 0.26; 0.26 / 2 / 3 = 0.043333.
+        // Mean 0.5; squared deviations 0.09 + 0.01 + 0.16 = 0.26; squared standard error 0.26 / 2 / 3 = 0.043333.
         let three = [0.2, 0.4, 0.9].map(|value| vec![value, 2.0 * value, 0.5]);
         let errors = standard_errors(&three).unwrap();
         for (found, expected) in means(&three).iter().chain(&errors).zip([0.5, 1.0, 0.5, 0.208_166_6, 0.416_333_2, 0.0])

@@ -14,7 +14,7 @@ use smr_recordings::BoundingBox;
 /// Number of intervals between thresholds of the success curve, which has one point more.
 pub const STEPS: usize = 20;
 
-/// Distance in pixels at which precision is quoted.
+/// Distance of the two centres, in pixels, for which the precision is reported as one figure.
 pub const NEAR: usize = 20;
 
 /// Largest distance of the precision curve, in pixels.

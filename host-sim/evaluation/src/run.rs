@@ -94,12 +94,12 @@ impl Run {
         Ok(())
     }
 
-    /// Returns the reports after the first lock.
+    /// Returns all reports but the first, which is that of a lock.
     pub fn updates(&self) -> &[Report] {
         self.reports.get(1..).unwrap_or_default()
     }
 
-    /// Returns frame index, state and correctness (IoU with `truth` above `CORRECT`, not normalised) of each report.
+    /// Returns for each report: frame index, state, and true if its unnormalised box has an IoU above `CORRECT`.
     pub fn judged<'a>(&'a self, truth: &'a Trajectory) -> impl Iterator<Item = (usize, State, bool)> + Clone + 'a {
         self.frames.iter().zip(&self.reports).map(|(&frame, report)| {
             let right = |(answer, truth): (BoundingBox, BoundingBox)| truth.iou(&answer) > CORRECT;

@@ -115,7 +115,7 @@ impl Score {
         Self::with_confidence(&answers, &confidences, truth)
     }
 
-    /// Scores `answers` by `truth`, with VOT's figures by `confidences`; an error if the lengths differ.
+    /// Scores `answers` by `truth`, and adds VOT's figures, which need `confidences`; an error if the lengths differ.
     pub fn with_confidence(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Result<Self> {
         let (frames, count) = (answers.len(), confidences.len());
         ensure!(frames == count, "there are {frames} frames, but {count} confidences");
@@ -123,7 +123,7 @@ impl Score {
         Ok(Self { vot: (score.visible > 0).then(|| Vot::new(answers, confidences, truth)), ..score })
     }
 
-    /// Scores `answers` by `truth`, normalised except for the figures of OTB; an error if the lengths differ.
+    /// Scores `answers`, normalised except for OTB's figures, by `truth`; an error if the lengths differ.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Result<Self> {
         let overlaps = overlaps(answers, truth)?;
         let mut score = Self { frames: truth.len(), answered: answers.iter().flatten().count(), ..Self::default() };

@@ -1,5 +1,5 @@
 //! Tables of results. A column has a key for programs (JSON, CSV) and a heading for people (text, Markdown). For
-//! programs, all rows have the same columns, of one type each; an unknown value is null or empty.
+//! programs, every row has all columns, a column has values of one type, and an unknown value is null or empty.
 
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
@@ -38,7 +38,7 @@ impl TableName {
     }
 }
 
-/// A column: key for programs, heading for people (either may be empty), decimals of fractions, and value of a row.
+/// A column: key for programs, heading for people (either may be empty), count of decimals, and the value for a row.
 pub type Column<T> = (&'static str, &'static str, usize, fn(&T) -> Value);
 
 #[derive(Clone, Debug)]
@@ -93,7 +93,7 @@ pub struct Table {
     /// Number of leading columns aligned to the left; all others are aligned to the right.
     names: usize,
     heads: Vec<Head>,
-    /// Rows, each with a flag, true if JSON and CSV contain the row, and its cells.
+    /// Rows. Each is a flag, true if JSON and CSV contain the row, and the cells of the row.
     rows: Vec<(bool, Vec<Value>)>,
 }
 

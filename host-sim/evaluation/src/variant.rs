@@ -76,7 +76,7 @@ impl Variant {
         Origin::new(self.kind, self.options.clone())
     }
 
-    /// Returns the trackers for the paper's table: SMR (k = 1/4; also k = 7/20, inclusive boxes), robust, baselines.
+    /// Returns the trackers for the paper's table: SMR (k = 1/4), SMR (k = 7/20, inclusive boxes), robust, baselines.
     pub fn all() -> Vec<Self> {
         let paper = Config::paper();
         let mut other = paper;

@@ -36,7 +36,7 @@ pub(crate) fn rgb_png(size: (u32, u32), rgb: &[u8]) -> Result<Vec<u8>> {
     plain_png(size, png::ColorType::Rgb, rgb)
 }
 
-/// Longest side of a cropped part of a frame, in pixels.
+/// Largest width and height, in pixels, of a part that is cropped from a frame.
 const MOST_SIDE: i32 = 640;
 
 /// Crops the rectangle (left, top, width, height) from the frame and encodes it as PNG; `None` if it lies outside.

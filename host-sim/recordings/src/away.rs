@@ -1,4 +1,4 @@
-//! Simulates a target that leaves: frames show only the scene beside it, and from its return on the shifted recording.
+//! Simulates a target that leaves: frames show only scenery beside it; once it returns, they show a shifted recording.
 
 use super::{BoundingBox, GrayFrame};
 use smr_core::Rect;
@@ -15,8 +15,8 @@ pub struct Away {
 }
 
 impl Away {
-    /// Chooses the largest strip of the frame beside all boxes of the frames in `gone` and of the frame before them,
-    /// and a shift after which the box of the returning target is still in the frame.
+    /// Chooses, along a side of the frame, the largest strip outside of all boxes of the target in `gone` and in the
+    /// frame before, and a shift that keeps the whole box of the returning target in the frame.
     pub fn new(truth: &[Option<BoundingBox>], gone: Range<usize>, frame: Rect) -> Self {
         let corners = |at: &BoundingBox| [[at.x, at.y], [at.x + at.width, at.y + at.height]];
         let corners: Vec<_> = truth[gone.start - 1..gone.end].iter().flatten().flat_map(corners).collect();
@@ -26,7 +26,7 @@ impl Away {
         let [w, h] = [frame.right(), frame.bottom()];
         let strips = [[0..seen.x, 0..h], [seen.right()..w, 0..h], [0..w, 0..seen.y], [0..w, seen.bottom()..h]];
         let strip = strips.into_iter().max_by_key(|[columns, rows]| columns.len() * rows.len()).unwrap_or_default();
-        // Shifts by at most a quarter of a side, so that the target returns far from the position where it was lost.
+        // Takes the shift, at most a quarter of the side, after which the target is farthest from where it was lost.
         let shift = |lost: i32, start: i32, end: i32, side: i32| {
             let shifts = [-start, side - end].map(|shift| shift.clamp(-side / 4, side / 4));
             shifts.into_iter().max_by_key(|shift| (start + shift).abs_diff(lost)).unwrap_or(0)
@@ -42,7 +42,7 @@ impl Away {
             if index >= self.gone.len() {
                 return (at - self.shift[axis]).clamp(0, side - 1);
             }
-            // The strip appears at the frame's other side, as if the camera had turned; mirror images of it follow.
+            // Shows the strip at the opposite side of the frame, as if the camera had turned, then its mirror images.
             let length = (end - start).max(1);
             let at = if start == 0 { at + length - side } else { at }.rem_euclid(2 * length);
             start + at.min(2 * length - 1 - at)

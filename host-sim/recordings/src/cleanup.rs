@@ -128,7 +128,7 @@ impl Process {
         locked(&self.child).try_wait()
     }
 
-    /// Waits until the process ends or `more`, called with the time waited so far, returns false (then `None`).
+    /// Waits until the process ends. Returns `None` when `more`, called with the time waited so far, returns false.
     pub fn wait_while(&self, mut more: impl FnMut(Duration) -> bool) -> io::Result<Option<ExitStatus>> {
         let begin = Instant::now();
         loop {

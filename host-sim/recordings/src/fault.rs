@@ -43,7 +43,7 @@ enum Kind {
 const FRAMES: usize = 10;
 
 const LIGHT_FRAMES: usize = 150;
-/// Frames in which dusk fades to its final level.
+/// Number of frames in which dusk fades the light to its final level.
 const DUSK_FRAMES: i64 = 100;
 
 const SEED: u64 = 0xFA17_0000;
@@ -122,7 +122,7 @@ impl Fault {
             Kind::Gamma => relight(pixels, |level| raised(level, f64::from(amount) / 100.0)),
             Kind::Offset => relight(pixels, |level| level + i64::from(amount)),
             Kind::Origin => {
-                // Repeats the picture's edges in the uncovered area.
+                // Repeats the edges of the shifted picture in the area that it leaves uncovered.
                 let (right, down) = (i32::from(amount), i32::from(amount / 2));
                 let level = |x: i32, y: i32| frame.level((x - right).max(0), (y - down).max(0));
                 return Some(GrayFrame::drawn(frame.width, frame.height, level));
@@ -139,7 +139,7 @@ fn relight(pixels: &mut [u8], mut light: impl FnMut(i64) -> i64) {
     pixels.iter_mut().for_each(|pixel| *pixel = u8::try_from(light((*pixel).into()).clamp(0, 255)).unwrap_or(u8::MAX));
 }
 
-/// Scales brightness to `hundredths` percent, and adds noise with a standard deviation of one gray level.
+/// Scales gray levels by `hundredths` / 100, and adds noise with a standard deviation of one gray level.
 fn dim(pixels: &mut [u8], hundredths: i64, random: &mut Random) {
     relight(pixels, |level| level * hundredths / 100 + normal(random, 1));
 }

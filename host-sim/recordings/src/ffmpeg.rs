@@ -127,8 +127,8 @@ impl Ffmpeg {
         bail!("{name} holds no frame that ffmpeg decodes");
     }
 
-    /// Returns an error if ffmpeg has reported one: it fills damaged areas, goes on, and exits with success. A packet
-    /// also looks damaged where videos were joined, so it counts only with `has_gap` (missing frames).
+    /// Returns an error if ffmpeg has reported one: ffmpeg fills damaged areas, goes on, and exits with success. A
+    /// damaged packet counts only with `has_gap` (missing frames), because joined videos also look damaged.
     pub fn verdict(&mut self, has_gap: bool) -> Result<()> {
         let (status, mut said) = self.end()?;
         if has_gap && said.last.is_empty() {

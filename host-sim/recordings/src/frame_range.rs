@@ -58,7 +58,7 @@ impl FromStr for FrameRange {
         let number = |text: &str| text.parse().ok().filter(|&number: &usize| number > 0).context(expected);
         let first = if first.is_empty() { 1 } else { number(first)? };
         let last = if last.is_empty() { None } else { Some(number(last)?) };
-        ensure!(last.is_none_or(|last| last >= first), "expected the smaller frame first");
+        ensure!(last.is_none_or(|last| last >= first), "{expected}, the smaller one first");
         Ok(Self { first, last })
     }
 }

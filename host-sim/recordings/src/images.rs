@@ -122,10 +122,10 @@ pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
     samples(bytes)?.colors(None)
 }
 
-/// Count of used gray levels, of 256, below which the user gets a note. 14-bit values stored in 16 bits use 64.
+/// Highest minus lowest gray level below which the user gets a note; 14-bit values stored in 16 bits reach only 63.
 const MIN_LEVELS: usize = 64;
 
-/// One in this many pixels may be dead, so its value is ignored.
+/// One pixel in this many may be dead, so this share of values is ignored at each end of the histogram.
 const PIXELS_PER_DEAD: u64 = 10_000;
 
 /// Returns a note if 16-bit pictures use few levels, judged by the first, middle and last of `pictures`. Ignores one

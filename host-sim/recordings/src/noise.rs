@@ -8,7 +8,7 @@ use smr_scene::random::Random;
 
 pub const NAME: &str = "noise";
 
-/// Count of frames: 60 searches are timed, each in the second update after a lock.
+/// Number of frames, enough to time 60 searches, each in the second update after a lock.
 const LENGTH: usize = 62;
 const WIDTH: u16 = 320;
 const HEIGHT: u16 = 272;

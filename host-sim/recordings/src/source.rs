@@ -14,7 +14,7 @@ use std::time::Duration;
 /// The source from which a recording can be read again.
 #[derive(Clone, Debug, Default)]
 pub enum Source {
-    /// Cannot be read again in color: a pipe, or gray frames.
+    /// A source that cannot be read again in color: a pipe, or gray frames.
     #[default]
     Once,
     Pictures(Vec<images::Picture>),

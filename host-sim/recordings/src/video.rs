@@ -105,7 +105,7 @@ pub(super) struct Pictures {
 /// ffmpeg options that count times from the start of the file, also after a seek.
 pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
 
-/// Tolerance in seconds; files with times in milliseconds round by up to 0.0005.
+/// Difference in seconds below which a seek has hit its time. Times in milliseconds are rounded by up to 0.0005.
 const SEEK_TOLERANCE: f64 = 0.0006;
 
 impl Pictures {
@@ -181,7 +181,8 @@ impl Pictures {
     }
 }
 
-/// In seconds; a longer jump is a join of two videos: in MPEG-TS, time that goes back looks like a clock overflow.
+/// Longest step in seconds from one frame to the next of a video. A longer one is a join of two videos, because in
+/// MPEG-TS a time that goes back looks like a clock overflow.
 pub(super) const MAX_TIME_JUMP: u32 = 43_200;
 
 /// Times that never go back: in a file of joined videos, each video continues the times of the one before.
@@ -191,7 +192,7 @@ struct Continued {
     step: i64,
     /// Offset added to the times of the file.
     shift: i64,
-    /// True if frames are missing for less than a second; a longer gap counts as a join of two videos.
+    /// True if frames are missing for less than a second; a longer gap may be a join of two videos.
     has_gap: bool,
 }
 
@@ -200,8 +201,7 @@ impl Continued {
     fn next(&mut self, time: i64, second: i64) -> i64 {
         let mut now = time + self.shift;
         if let Some(last) = self.last {
-            // A step back by less than `step`, the frame interval, is one wrong time stamp, not the start of another
-            // video.
+            // A step back by less than `step`, the frame interval, is a wrong time stamp, no start of another video.
             if now <= last - self.step || now - last > i64::from(MAX_TIME_JUMP) * second {
                 now = last + self.step;
                 self.shift = now - time;

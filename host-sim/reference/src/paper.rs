@@ -45,7 +45,8 @@ pub struct GateNumbers {
     pub tracking: (f64, f64),
     /// Ratio of peak to runner-up, a fraction `.0 / .1`, required if the box at the peak crosses the frame's edge.
     pub border: (f64, f64),
-    /// Ratio, a fraction `.0 / .1`, required after a box crossed the frame's edge, until a lost target is found again.
+    /// Ratio of peak to runner-up, a fraction `.0 / .1`, required after a box crossed the frame's edge, until a lost
+    /// target is found again.
     pub been_at_border: (f64, f64),
     /// Ratio of peak to runner-up, a fraction `.0 / .1`, required for finding a lost target again.
     pub lost: (f64, f64),
@@ -324,8 +325,8 @@ impl Reference {
         self.template = next;
     }
 
-    /// Accepts a peak above ratio * runner-up or above runner-up + lead, with a mean similarity of at least
-    /// `least_ratio`.
+    /// Accepts a peak above `needed` * runner-up or above runner-up + lead, if its mean similarity per pixel is at
+    /// least `least_ratio`.
     fn is_accepted(&self, peak: f64, runner_up: f64, needed: (f64, f64)) -> bool {
         let gate = &self.numbers.gate;
         let stands_out = peak * needed.1 > runner_up * needed.0 || peak > runner_up + gate.lead * UNITS;

@@ -31,13 +31,13 @@ pub struct Solid {
     heading: [f64; 2],
     /// Radius in meters of a bounding sphere around `origin`.
     reach: f64,
-    /// Outward normal of each face, and its distance from the origin; `None` for a ball.
+    /// For each face: outward normal, and distance of the face from the origin; `None` for a ball.
     faces: Option<[(Triple, f64); 6]>,
     base: Triple,
     paint: Paint,
 }
 
-/// Returns the color at a position and normal, both in the solid's own axes; `leaves` is the texture of foliage.
+/// A function that gives the color at a position and normal, in the solid's own axes; `leaves` is a texture of foliage.
 pub type Paint = fn(base: Triple, at: Triple, normal: Triple, leaves: &Texture) -> Triple;
 
 pub struct Hit<'a> {

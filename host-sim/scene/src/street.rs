@@ -21,7 +21,7 @@ use core::array;
 pub const LENGTH: usize = 300;
 pub const WIDTH: u16 = 320;
 pub const HEIGHT: u16 = 240;
-/// Rays along each side of a pixel, which are averaged.
+/// Number of rays along each side of a pixel; the pixel is the average of all its rays.
 const FINE: u16 = 3;
 
 const EYE: Triple = [0.0, 12.0, 0.0];
@@ -252,7 +252,7 @@ fn car([x, z]: [f64; 2], heading: [f64; 2], base: Triple) -> [Solid; 2] {
 type Road = [([f64; 2], f64); 400];
 
 fn road() -> Road {
-    /// Control points of Bezier curves: ends of bends alternate with the points where the tangents of two ends meet.
+    /// Control points of Bezier curves: the ends of bends and, between two ends, the point where their tangents meet.
     const BENDS: [f64; 18] =
         [48.0, 62.0, 26.0, 62.0, 6.0, 62.0, -12.0, 62.0, -9.5, 48.5, -7.1, 35.5, 5.0, 32.8, 22.0, 29.0, 39.0, 25.2];
     let bends = BENDS.as_chunks::<2>().0;

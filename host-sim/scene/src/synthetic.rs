@@ -29,12 +29,12 @@ const POST_WIDTH: i32 = 36 * PIXEL;
 /// Key frames: pairs of a frame number and a value, with smooth interpolation between them.
 pub type Keys = [(i32, i32)];
 
-/// Left and top edge of the target in whole pixels. Fractions would make a template that is replaced in every frame
-/// drift, but trackers must be able to follow this recording to its end.
+/// Left and top edge of the target in whole pixels: at fractions, a template replaced in every frame would drift, but
+/// trackers must be able to follow this recording to its end.
 const TARGET_X: &Keys =
     &[(0, 36), (32, 84), (66, 60), (134, 64), (160, 8), (184, -28), (190, -28), (224, 56), (239, 66)];
 const TARGET_Y: &Keys = &[(0, 24), (32, 52), (66, 66), (134, 62), (184, 46), (190, 46), (239, 54)];
-/// Left edge in pixels of the post, which is as high as the picture.
+/// Left edge, in pixels, of a post that is as high as the picture and hides the target.
 const POST_X: &Keys = &[(48, 161), (75, 85), (100, 76), (110, 76), (134, 88), (154, 161)];
 /// Motion of the background to the left and up in pixels, too small for its texture to repeat.
 const PAN_X: &Keys = &[(0, 0), (120, 70), (239, 10)];

@@ -98,7 +98,7 @@ impl Counts {
         different
     }
 
-    /// Records a frame whose exact peak is not core's peak. Returns a violation if its lead exceeds twice the bound.
+    /// Records a frame whose exact peak is not core's. A lead in exact score of more than twice `bound` is a violation.
     fn exact_arg_max(&mut self, frame: usize, peaks: &Peaks, step: &Step) -> Option<Violation> {
         let peak = (i64::from(peaks.peak.x), i64::from(peaks.peak.y));
         if peak == step.exact_peak.0 {

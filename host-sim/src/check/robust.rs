@@ -221,7 +221,7 @@ mod tests {
                 of.most_move = 0.125, of.most_growth = 64.0, of.damping = 32.0, of.confidence_rate = 76.0, of.size = false,
             },
         );
-        // Without the refiner, because its larger window would hide a change of the scale search's window.
+        // Switches the refiner off, because its larger window would hide a change of the scale search's window.
         let unrefined = |mut numbers: Numbers| {
             numbers.refiner = false;
             checked(CHECKED[0], Config::robust(), numbers, 40)

@@ -199,7 +199,7 @@ impl Line<'_> {
             let typed = after[..count].join(" ");
             let bare = typed.trim_matches(|letter| "()[]{}".contains(letter));
             for (from, (to, separator)) in TYPED.iter().flat_map(|from| SEPARATORS.map(|to| (from, to))) {
-                // A single word is tried, too: without brackets, and in lower case.
+                // A single word needs no wrong separator: it may be valid without brackets, or in lower case.
                 let is_tried = bare.contains(from) || (*from == " " && count == 1);
                 let is_in_name =
                     *from != " " && bare.match_indices(from).any(|(at, _)| bare[..at].ends_with(char::is_alphabetic));

@@ -8,7 +8,7 @@ import smr
 
 SIDE = 64
 WINDOWS = {"+-16": (16, 16), "+-60x50": (60, 50)}
-# Approximate count of timed updates; maximum repetitions of each; seconds after which they end. The shortest counts.
+# Approximate count of updates to time; largest count of repetitions of each; total seconds after which they stop.
 UPDATES, REPEATS, ENOUGH = 60, 15, 0.01
 # Largest shift of the target in the second frame in pixels; smaller near the frame's edge.
 SPARE = 8

@@ -1,4 +1,4 @@
-/* Calls the functions that every program needs. Linking it without a C library tests a package for each of its processors. */
+/* Calls the functions that every program needs. .ci/release links it with a package's archive for each processor, without a C library. */
 #include "smr.h"
 
 static smr_robust_target storage;

@@ -58,7 +58,7 @@ def kconfig():
 
 os.chdir(f"{out}/SMRTracker")
 properties = dict(line.split("=", 1) for line in pathlib.Path("library.properties").read_text().splitlines())
-# The rules of arduino-lint for Arduino's index of libraries.
+# Checks arduino-lint's rules for libraries in Arduino's index: properties that must be set, and their form.
 needed = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures", "includes"}
 assert all(properties.get(key, "").strip() for key in needed), needed - properties.keys()
 assert re.fullmatch(r"[A-Za-z][\w .-]{,62}", properties["name"]) and re.fullmatch(r"\d+\.\d+\.\d+", properties["version"])

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::path::Path;
 
-/// The line and the setting that the texts of errors contain. `quoted` replaces them by placeholders.
+/// The line number and the setting's name in the texts of `errors`. `quoted` replaces them by placeholders.
 const LINE: u16 = 54_321;
 const SETTING: &str = "early_rate";
 
@@ -45,7 +45,7 @@ fn errors() -> Vec<Error> {
     }
 }
 
-/// Language ("" for all), errors that it cannot cause, and the reason. For these it shows the name of the status.
+/// `(language or "" for all, errors that it cannot cause, reason)`. Users get the status's name instead of a text.
 const NEVER: &[(&str, &[&str], &str)] = &[
     ("JavaScript", &["ConfigError::RefinerNotBuiltIn"], "the module has the refiner"),
     ("JavaScript", READOUT, "a browser gives frames, not lines"),

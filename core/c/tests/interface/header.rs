@@ -76,7 +76,7 @@ fn a_packing_does_not_compile() {
     }
 }
 
-/// A size in the header on 32 bits, computed for `pixels` and `span` in place of this library's capacity.
+/// Converts `size`, the value of the header's `name` in this build, to 32 bits and a capacity of `pixels` and `span`.
 fn on_32_bits(size: usize, name: &str, pixels: usize, span: usize) -> usize {
     let header = include_str!("../../include/smr.h");
     let definition = header.split_once(&format!("#define {name} ")).expect("the header defines it").1;

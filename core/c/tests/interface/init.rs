@@ -16,7 +16,7 @@ const DEPTH: usize = 512 << 10;
 const PAINT: u8 = 0xA5;
 const LINE: usize = 64;
 
-/// Paints the stack below its caller, or returns how many bytes of it have lost the paint.
+/// If `paint`, fills `DEPTH` bytes of stack below the caller with `PAINT`; else returns how many were used since.
 ///
 /// The second call leaves its array uninitialised, so that it contains what the code between the calls has left. A
 /// function with a large frame writes a word to each page: a line is used only if more than one word has changed.

@@ -15,7 +15,7 @@ class State(str, enum.Enum):
     __str__ = str.__str__
 
 
-# The states by their code in smr-core.
+# The states, indexed by their code in smr-core.
 STATES = tuple(State)
 
 

@@ -13,15 +13,15 @@ use crate::kernels::unrolling::rolled;
 pub(crate) struct Points {
     /// The largest difference below the threshold.
     pub(super) largest: u8,
-    /// A pixel of similarity p has at least p * `rate` / 2^24 points. 0 disables the bound.
+    /// At similarity p, a pixel has at least p * `rate` / 2^24 points (255 - difference). 0 disables the bound.
     rate: u32,
     /// The largest integer c such that the similarity p(d) is at most 65535 - c * d for every difference d below the
-    /// threshold. (For exp the largest d decides: its chord from p(0) is the flattest.) Stored: division is slow.
+    /// threshold. For exp the largest d decides: its chord from p(0) is the flattest. Stored, as division is slow.
     chord: u32,
 }
 
 impl Points {
-    /// Points of an equal pixel, the most that a pixel can have.
+    /// Points of a pixel with difference 0, the maximum.
     pub(super) const MOST: u8 = u8::MAX;
 
     pub(crate) const NONE: Self = Self { largest: 0, rate: 0, chord: 0 };
@@ -41,8 +41,8 @@ impl Points {
         }
     }
 
-    /// The fewest points (sum of 255 - difference) with which `pixels` pixels can score `floor`; 0 if the bound is
-    /// disabled. The larger of two bounds, the second one tight where most pixels are similar:
+    /// Minimum of points (sum of 255 - difference) with which `pixels` pixels can reach the score `floor`; 0 if the
+    /// bound is disabled. Returns the larger of two bounds. The second one is tight where most pixels are similar:
     ///
     /// - A score of `floor` needs at least `floor` * `rate` / 2^24 points.
     /// - A pixel loses at least `chord` of its score for each point it lacks; beyond the threshold 65535 / 255 = 257.
@@ -50,15 +50,15 @@ impl Points {
         if self.rate == 0 {
             return 0;
         }
-        // The rate is at most 255 * 2^24 / 65535, that of equal pixels. So the quotient fits.
+        // The rate is at most 255 * 2^24 / 65535, its value for equal pixels, so the quotient fits in a `u32`.
         let of_score = u32::try_from((u64::from(floor) * u64::from(self.rate)).div_ceil(1 << 24)).unwrap_or(u32::MAX);
         let lost = (pixels * u32::from(ONE)).saturating_sub(floor);
         let lacking = lost / self.chord.clamp(1, u32::from(ONE / u16::from(Self::MOST)));
         (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
     }
 
-    /// Margins of four offsets before the first row: the maximum of the points, minus the points needed. A loop
-    /// subtracts the points that pixels lack. A negative margin excludes its offset, from the start if not `wanted`.
+    /// Margins of four offsets before the first row: the maximum sum of points, minus `needed`. A loop then subtracts
+    /// the points that pixels lack. A negative margin excludes its offset, from the start if not `wanted`.
     #[inline(always)]
     pub(super) fn initial_margins(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
         let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();
@@ -73,5 +73,5 @@ impl Points {
     }
 }
 
-/// Number of horizontally neighbouring offsets that are bounded at once.
+/// Number of horizontally neighbouring offsets whose scores are bounded at once.
 pub(super) const OFFSETS: usize = 4;

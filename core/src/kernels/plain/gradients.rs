@@ -9,7 +9,7 @@ use super::super::unrolling::rolled;
 
 const BINS: usize = 9;
 
-/// (cos, sin) / sin 20 degrees of the directions 0, 20, ... 100 degrees, in units of 1/256. All others mirror these.
+/// (cos, sin) of the directions 0, 20, ... 100 degrees, times 256 / sin(20 degrees). All other directions mirror these.
 pub(crate) const DIRECTIONS: [(i32, i32); 6] = [(748, 0), (703, 256), (573, 481), (374, 648), (130, 737), (-130, 737)];
 
 /// Channel sums of a cell: votes for nine directions in units of 1/4 gray level, and the sum of gray levels.
@@ -34,7 +34,7 @@ impl Sectors {
         let [whole, mirrored] = &mut self.0;
         let sectors = if x * y < 0 { mirrored } else { whole };
         let (right, up) = (x.abs(), y.abs());
-        // (|x|, |y|) is at 0 to 90 degrees: always beyond direction 0, and never beyond direction 5, 100 degrees.
+        // The angle of (|x|, |y|) is 0 to 90 degrees: beyond direction 0, and not beyond direction 5 (100 degrees).
         let beyond = |(cos, sin): (i32, i32)| cos * up >= sin * right;
         let [_, one, two, three, four, _] = DIRECTIONS;
         let number = if !beyond(two) {
@@ -53,8 +53,8 @@ impl Sectors {
     #[inline(always)]
     pub(crate) fn sums(&self, gray: u16) -> Sums {
         // A gradient between two directions votes for the upper one by its distance beyond the lower one, and for the
-        // lower one by its distance short of the upper one (negative here). a and b are distances beyond, c and d
-        // short: a and c in sectors, b and d in mirrored sectors. The digit is the direction with the vote.
+        // lower one by its distance short of the upper one (negative here). a, b: distances beyond; c, d: distances
+        // short. a, c: from sectors; b, d: from mirrored sectors. The digit is the direction voted for.
         let beyond = |number: usize, direction| {
             self.0.map(|sectors| distance(sectors.get(number).copied().unwrap_or(0), direction))
         };
@@ -182,7 +182,7 @@ pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
         // The mean excludes cells beyond the edge.
         let (next, cells) = columns.get(at + 1).map_or((0, here + rows), |&next| (next, here + 2 * rows));
         let Some(column) = columns.get_mut(at) else { return };
-        // Nine energies are below 2^29; 64 times their mean is below 2^32.
+        // The sum of nine energies is below 2^29; 64 times their mean is below 2^32.
         let norm = root(64 * mean(left + *column + next, cells));
         (left, here, *column) = (*column, rows, of(norm));
     }
@@ -195,7 +195,8 @@ fn mean(energy: u32, cells: u32) -> u32 {
 
 /// `energy / cells` for up to nine cells and an energy below 2^30, ten bits at a time.
 pub(crate) fn mean_by_parts(energy: u32, cells: u32) -> u32 {
-    // 2^16 / cells, rounded up. A remainder and ten more bits, times this, shifted right by 16, is the exact quotient.
+    // Constants 2^16 / cells, rounded up. Each round appends the next ten bits of the energy to the last remainder,
+    // multiplies by the constant and shifts right by 16: an exact division.
     const INVERSES: [u32; 10] = [0, 65_536, 32_768, 21_846, 16_384, 13_108, 10_923, 9363, 8192, 7282];
     let inverse = usize::try_from(cells).ok().and_then(|cells| INVERSES.get(cells)).copied().unwrap_or(0);
     let (mut rest, mut mean) = (0, 0);
@@ -223,14 +224,14 @@ pub(crate) fn root(number: u32) -> u32 {
     root
 }
 
-/// The square root, rounded down, of a number below 2^32 - 2^17, by two Newton steps: faster than `isqrt` where
-/// division is an instruction.
+/// The square root, rounded down, of a number below 2^32 - 2^17, by Newton: faster than `isqrt` with hardware division.
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
 #[cfg_attr(all(smr_small, not(smr_helium)), inline(never))]
 pub(crate) fn root(number: u32) -> u32 {
     let places = (number | 1).leading_zeros() & !1;
     let scaled = (number | 1) << places;
-    // The guess is within 6 % for numbers from 2^30 on. A Newton step halves the squared error; no result is too small.
+    // The first guess is within 6 % for numbers from 2^30 on. A Newton step turns a relative error e into about e^2/2,
+    // and never gives too small a root.
     let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
     root = (root + scaled / root) / 2;
     root = (root + scaled / root) / 2;

@@ -141,7 +141,8 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
-/// The score of the pixels of `template` on the zero padding. `seen`, perhaps empty, is the rectangle on the frame.
+/// The score of the pixels of `template` on the zero padding around the frame. `seen` is the part of the template on
+/// the frame, in template coordinates, or empty.
 #[cfg(smr_swar)]
 #[must_use]
 #[cfg_attr(smr_small, inline(never))]

@@ -13,8 +13,7 @@ const LANES: usize = 8;
 /// Filter offsets computed at a time, which share the loads of the weights.
 const AT_ONCE: usize = 4;
 
-/// Start and mask of each vector of a row. The last vector ends with the row; its mask excludes lanes that overlap the
-/// vector before.
+/// Start and mask of each vector of a row. The last vector ends with the row; its mask excludes overlapping lanes.
 fn vectors(row: usize) -> impl Iterator<Item = (usize, v128)> {
     let whole = (0..row / LANES).map(|number| (number * LANES, u8x16_splat(u8::MAX)));
     let rest = row % LANES;

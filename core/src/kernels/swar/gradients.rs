@@ -33,7 +33,7 @@ macro_rules! add {
             concat!("ldrb r4, [r2, #1 + ", $at, "]\n"),
             concat!("ldrb r6, [r1, #1 + ", $at, "]\n"),
             "subs r4, r4, r6\n",
-            // r3 becomes |x|, r4 |y|, and r5 is -4 if the gradient is mirrored, else 0.
+            // r3 becomes |x|, r4 |y|, and r5 -4 if x and y differ in sign (mirrored sectors), else 0.
             "asrs r5, r3, #31\n",
             "asrs r6, r4, #31\n",
             "eors r3, r5\n",

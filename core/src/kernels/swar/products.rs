@@ -21,7 +21,7 @@ pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 
 const STEP: usize = CHANNELS;
 
-/// Added to a stored number, so that it is not negative on Armv6-M.
+/// Added to each stored feature or difference of features, so that none is negative on Armv6-M.
 const NUMBER_BIAS: i32 = if cfg!(all(smr_swar, target_arch = "arm")) { 256 } else { 0 };
 
 /// Computes filter responses, as [`plain::responses`] specifies. Pieces of work are pairs of rows of cells.

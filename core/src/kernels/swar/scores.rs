@@ -293,8 +293,8 @@ unsafe fn row_sum(mut f: *const u8, mut g: *const u8, width: usize, of: impl Fn(
     sum
 }
 
-/// Computes for each 4x4 block half its lowest pixel, and 127 minus half its highest pixel, both minus `threshold`
-/// (which is half of the threshold in each byte), but at least 0.
+/// Computes `low` = max(lowest pixel / 2 - t, 0) and `high` = max(127 - highest pixel / 2 - t, 0) for each 4x4 block.
+/// Each byte of `threshold` is t, half of the table's threshold.
 ///
 /// Takes the minimum and maximum of four rows in each column, then of two and of four columns.
 #[inline(never)]
@@ -415,8 +415,8 @@ fn joined(bytes: &[u8]) -> u32 {
 }
 
 /// Upper bound of the score of every patch with pixels in the ranges `blocks`; `None` if it is below `floor`. Pixels
-/// inside their ranges count as fully similar. So do rows whose words reach beyond the template: at most the first and
-/// the last row of a template with at least seven columns.
+/// inside their ranges count as fully similar, and so do rows whose words reach beyond the template's memory. With at
+/// least seven columns, only the first and the last row can do so.
 #[inline(never)]
 fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
     let (width, height) = (usize::from(template.width()), usize::from(template.height()));

@@ -84,7 +84,6 @@ unsafe fn halves(row: &[u8]) -> __m256i {
     }
 }
 
-/// The plain loops of sums of products, compiled with AVX2.
 pub(crate) mod products {
     use crate::kernels::layout::{Layout, Packed};
     use crate::kernels::plain::products as plain;
@@ -119,7 +118,6 @@ pub(crate) mod products {
     }
 }
 
-/// The plain loop of network layers, compiled with AVX2.
 #[cfg(feature = "refiner")]
 pub(crate) mod dense {
     use crate::kernels::plain::dense as plain;

@@ -92,7 +92,7 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
             let mut planes = (V::shuffle(self.low[first], moved), V::shuffle(self.high[first], moved));
             let mut segment = 1;
             while segment < COUNT {
-                // Signed and saturating: the top bit stays if set, and is set for differences below this segment.
+                // Signed and saturating: a set top bit stays set, and differences below this segment get it.
                 let index = V::lowered(moved, V::splat((up + SEGMENT * segment) as u8));
                 planes.0 = V::xor(planes.0, V::shuffle(self.low[first + segment], index));
                 planes.1 = V::xor(planes.1, V::shuffle(self.high[first + segment], index));
@@ -118,8 +118,7 @@ impl<V: Shuffle, const SEGMENTS: usize> LookUp for Planes<V, SEGMENTS> {
     }
 }
 
-/// Mask of the lanes of a row narrower than a vector. Two loads of the row may overlap; the mask includes each pixel
-/// once.
+/// Mask for a row narrower than a vector. Two loads of the row may overlap; the mask includes each pixel once.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
@@ -136,7 +135,7 @@ pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::is_above(V::load(lanes.as_ptr()), V::splat(31 - new)) }
 }
 
-/// Operand of [`narrow_lanes`]: 127 in `first` lanes (always valid), up to 31 in `second` lanes, then 0 (never valid).
+/// Operand of [`narrow_lanes`]: 127 in `first` lanes (always valid), `second` lanes rising to 31, then 0 (never valid).
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];

@@ -66,7 +66,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 }
 
-/// Yields for each state of a target: (the first search includes the runner-up, a second search for it may follow).
+/// Two flags for each state of a target: the first search includes the runner-up; a second search for it may follow.
 pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
     let bounds = Rect::new(0, 0, 1, 1);
     let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];

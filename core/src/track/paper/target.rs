@@ -118,7 +118,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 
     const SAVED_SIZE: usize = saved::size(PIXELS);
 
-    /// The most work in the largest window that the configuration and `SPAN` allow.
+    /// Upper bounds of the work in the largest window that the configuration and `SPAN` allow.
     fn most_work(config: &Config, width: u16, height: u16) -> MostWork {
         let axis = |radius: u16| (2 * usize::from(radius) + 1).min(SPAN);
         let window = (axis(config.window_limit.x), axis(config.window_limit.y));
@@ -285,7 +285,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 }
 
-/// Stands for the result of a search in an empty window. Windows are never empty.
+/// Replaces the result of a search without any offset, which never happens: a window is never empty.
 const NOTHING: Peaks = Peaks { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };
 
 /// Scratch memory for updates of any number of targets, one at a time: `PIXELS + 20 * SPAN` bytes, and a table.

@@ -44,7 +44,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     #[cfg_attr(smr_small, inline(never))]
     fn append(&mut self, pixels: &[u8]) {
         if cfg!(target_os = "none") {
-            // Saves flash: no other code on bare metal needs the `memcpy` of `extend_from_slice`.
+            // Saves flash: `extend_from_slice` needs `memcpy`, which no other code on bare metal needs.
             for &pixel in rolled(pixels.iter()) {
                 let _ = self.pixels.push(pixel);
             }

@@ -87,10 +87,10 @@ fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
 #[test]
 fn the_most_work_is_nearly_done() {
     let noise = [Picture::noise(160, 120, 7), Picture::noise(160, 120, 8)];
-    // All blocks of 4x4 pixels have the same range. The template lies within it, but no pixel matches.
+    // Each block of 4x4 pixels ranges from 100 to 200. The template's level, 150, is within, but no pixel has it.
     let of = |level: fn(i32, i32) -> u8| Picture::of(160, 120, level);
     let stripes = [of(|_, _| 150), of(|x, y| if (x + y) % 2 == 0 { 100 } else { 200 })];
-    // One pixel of eight matches at every offset, so all offsets have the same score, which each group's bound reaches.
+    // One pixel of eight matches at every offset, so all scores are equal, and equal to the bound of every group.
     let dots = [of(|x, y| if (x + y) % 8 == 0 { 150 } else { 250 }), of(|_, _| 150)];
     let mut closest = 0.0_f64;
     for (radius, pruning, runner_up_always) in

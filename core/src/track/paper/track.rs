@@ -33,7 +33,7 @@ impl Track {
         if columns.max(rows) > span { Err(LockError::WindowTooLarge) } else { Ok(()) }
     }
 
-    /// The window of the next search: radius + growth * `lost_for`, up to the limit.
+    /// The window of the next search. Its radius is `window` + `growth` * `lost_for`, at most `window_limit`.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn search_window(&self, config: &Config) -> Window {
         let grown =

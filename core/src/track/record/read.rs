@@ -60,9 +60,9 @@ pub enum Entry<'a> {
     Begin(Begin<'a>),
     /// A lock on `bbox`, which read `window` of the frame.
     Lock {
-        /// The frame, with the pixels of the window in memory.
+        /// The frame; only the pixels of `window` are in memory.
         frame: Frame<'a>,
-        /// The pixels that were read.
+        /// The part of the frame that the lock read.
         window: Rect,
         /// The box that was locked.
         bbox: Rect,
@@ -76,11 +76,11 @@ pub enum Entry<'a> {
     },
     /// An update is about to begin.
     Window {
-        /// The frame, with the pixels of both windows in memory.
+        /// The frame; only the pixels of `window` and of `sweep` are in memory.
         frame: Frame<'a>,
-        /// The pixels that the update reads.
+        /// The part of the frame that the update reads in any case.
         window: Rect,
-        /// The rectangle around the windows of the sweep for a lost target, if the update may read it.
+        /// The second window, of `Target::sweep_window`: the part that the update may read for a lost target.
         sweep: Option<Rect>,
     },
     /// The answer of the update.
@@ -126,7 +126,7 @@ impl Begin<'_> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Damage {
-    /// Offset in the record, in bytes.
+    /// Offset of the damage in the record, in bytes.
     pub at: usize,
     /// The kind of damage.
     pub flaw: Flaw,
@@ -276,7 +276,7 @@ impl<'a> Reader<'a> {
         Some(Rect::new(x.into(), y.into(), width, height))
     }
 
-    /// The next pixels as the image of `window`, with its top left corner.
+    /// (image, x, y): the next pixels as the image of `window`, and the window's top left corner.
     fn part(&mut self, window: Rect) -> Option<(Image<'a>, u16, u16)> {
         let pixels = self.slice(usize::try_from(window.area()).ok()?)?;
         let image = Image::new(pixels, window.width, window.height).ok()?;

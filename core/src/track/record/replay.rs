@@ -28,7 +28,7 @@ pub enum Stop {
     Difference {
         /// Offset of the entry in the record, in bytes.
         at: usize,
-        /// Sequence number of the entry, from 0 at the last beginning of a record.
+        /// Sequence number of the entry. It starts again from 0 at each beginning of a record.
         number: u32,
         /// The difference.
         difference: Difference,
@@ -48,7 +48,7 @@ errors! {
         Lock(error: LockError) => "lock: {error}",
         /// An update reads other pixels: (recorded window, replayed window).
         Window(recorded: Option<Rect>, replayed: Option<Rect>) => "window: recorded {recorded:?}, replayed {replayed:?}",
-        /// An update has another second window: (recorded, replayed).
+        /// An update has another sweep window: (recorded, replayed).
         SweepWindow(recorded: Option<Rect>, replayed: Option<Rect>) => "sweep window: recorded {recorded:?}, replayed {replayed:?}",
         /// An update fails.
         Update(error: UpdateError) => "update: {error}",

@@ -19,7 +19,7 @@ pub(super) const ONE: i32 = 1 << 14;
 pub use crate::kernels::{CELL, CHANNELS};
 /// The largest `Config::reach`: the radius of the search window, in cells.
 pub const REACH: u16 = 8;
-/// Offsets of the largest search window on each axis, in steps of one cell.
+/// The count of filter offsets on each axis of the largest search window. Neighbouring offsets are one cell apart.
 pub(crate) const SPAN: usize = 2 * REACH as usize + 1;
 /// Pixels of the largest template. The target is resampled to a grid on which it has about this many pixels.
 pub(super) const MOST_PIXELS: usize = 1600;
@@ -30,33 +30,33 @@ pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The minimum and the maximum side of the correlation filter, in cells.
 pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// Filter cells per target pixel on an axis, as a fraction: 1.4 / 4, since the filter has 1.4 times the target's sides.
+/// Filter cells per target pixel on an axis, as a fraction: 1.4 times the target's side, divided by a cell's 4 pixels.
 pub(super) const COVER: [u32; 2] = [7, 20];
-/// The smallest step of the target's grid: half a pixel, in units of 1/4096. It magnifies small targets at most twice.
+/// The smallest step of the target's grid, in units of 1/4096 pixel: 1/2, so that small targets are at most doubled.
 pub(super) const LEAST_STEP: u32 = 2048;
 
 /// The floor that is added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for
-/// each pixel of a cell. Without it, noise in flat cells would be amplified to full contrast. Nearly no floor lowers
-/// the success rate R by 0.067 +- 0.021, a doubled one by 0.038 +- 0.018.
+/// each pixel of a cell. Without it, noise in flat cells would be amplified to full contrast. A floor near 0 lowers the
+/// success rate R by 0.067 +- 0.021, a doubled floor by 0.038 +- 0.018.
 pub(super) const NORM_FLOOR: u32 = 2 * 16 * 8;
 /// The gain in feature = gain * gradient / norm, with gradients in 1/4 and norms in 1/8 gray level. A gradient of 0.4
-/// norm becomes 127, so gain = 2 * 127 / 0.4.
+/// times the norm becomes 127, so gain = 2 * 127 / 0.4, where the 2 converts the units.
 pub(super) const NORM_GAIN: u32 = 635;
 
-/// The penalty of a filter response at the edge of the search window, in units of 1/256 of the response. It grows with
-/// the squared distance from the centre. No penalty lowers the success rate R by 0.043 +- 0.016.
+/// The penalty of a filter response at the edge of the search window, in units of 1/256 of the response. The penalty
+/// grows with the squared distance from the centre. Without penalties the success rate R is lower by 0.043 +- 0.016.
 pub(super) const DISTANCE_PENALTY: u32 = 77;
 
 /// The farthest offset from the filter's peak at which the template is compared, in pixels of the grid on each axis.
 pub(super) const MARGIN: u16 = 3;
 /// `MARGIN` in whole cells, rounded up.
 pub(super) const MARGIN_CELLS: u16 = MARGIN.div_ceil(CELL);
-/// The spacing of the nine coarse offsets of the template, in pixels of the grid. That of the eight fine ones is 1.
+/// The spacing of the nine coarse offsets of the template, in pixels of the grid. The eight fine offsets are 1 apart.
 pub(super) const COARSE_STEP: i16 = 2;
-/// Offsets at which the early template is compared with the frame.
+/// The count of offsets at which the early template is compared with the frame.
 pub(super) const ALIGNMENTS: u16 = 17;
-/// The least agreement with which the early template refines place and size, in units of 1/65535. No refinement lowers
-/// the success rate R by 0.025 +- 0.013.
+/// The least agreement with which the early template refines place and size, in units of 1/65535. Without refinement
+/// the success rate R is lower by 0.025 +- 0.013.
 pub(super) const REFINED_FROM: u16 = 55_000;
 /// The largest move by the Gauss-Newton step of refinement, in units of 1/64 pixel of the grid: one pixel.
 pub(super) const MOST_MOVE: i64 = 64;
@@ -73,8 +73,8 @@ pub(super) const TILES: u16 = 4;
 /// then 66 % of the wrong frames are *tracking* instead of 23 %.
 pub(super) const AGREEMENT_RANK: usize = 4;
 /// The minimum and the maximum of the threshold alpha, in gray levels. Two pixels match if they differ by less than
-/// alpha, so 2 allows for their rounding. With a minimum of 8, a target with little contrast would match any plain
-/// patch (`verification/lighting.rs`).
+/// alpha, so a minimum of 2 tolerates a rounding error of 1. With a minimum of 8, a target with little contrast would
+/// match any plain patch (`verification/lighting.rs`).
 pub(super) const LEAST_ALPHA: u32 = 2;
 pub(super) const MOST_ALPHA: u32 = 100;
 /// A gain of 1, in units of 1/256: the patch has the contrast of the template.
@@ -83,13 +83,13 @@ pub(super) const ONE_GAIN: u32 = 256;
 pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
 /// The minimum contrast of a search window, in units of 1/16 gray level: 1/4. Lower contrasts are raised to it.
 pub(super) const LEAST_WINDOW: u32 = 4;
-/// The light (`verification/lighting.rs`) follows that of each frame by 2^-3 of the difference. With 0 (the whole
-/// difference), 0.05 more of the wrong frames are called *tracking*, on half of the recordings.
+/// The light (`verification/lighting.rs`) moves toward the light of each learned frame by 2^-3 of the difference. With
+/// 0 (the whole difference), a further 0.05 of the wrong frames would be *tracking*, on half of the recordings.
 pub(super) const LIGHT_RATE: u32 = 3;
-/// The threshold alpha that measures how distinct a target is at the lock, in gray levels: 0.05 of full scale.
+/// The threshold alpha with which a lock measures how distinct its target is, in gray levels: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;
 
-/// The ratio of neighbouring scales, in units of 1/65536: 1.02. 1.04 lowers the success rate R by 0.063 +- 0.023.
+/// The ratio of neighbouring scales, in units of 1/65536: 1.02. At 1.04, the success rate R is lower by 0.063 +- 0.023.
 pub(super) const SCALE_STEP: i64 = 66_847;
 /// The factor of a response at a changed scale in the scale search, in units of 1/256: 0.984. A factor of 1 lowers the
 /// success rate R by 0.038 +- 0.016.
@@ -108,7 +108,7 @@ pub(super) const MOST_EVIDENCE: i32 = 3 << 15;
 pub(super) const LEARNED_FROM: i32 = 37_500;
 /// The minimum evidence in a search window for finding a lost target there. `FOUND_LEAD` is required as well.
 pub(super) const FOUND_FROM: i32 = 52_000;
-/// The minimum lead of the evidence in a search window over that at the place where the target was lost.
+/// The minimum lead of the evidence in a search window over the evidence at the place where the target was lost.
 pub(super) const FOUND_LEAD: i32 = 16_000;
 /// The largest lead of the evidence's running mean over the frame's evidence. So one frame without evidence makes a
 /// target *uncertain*, and with the default thresholds the second makes it *lost*. This bound improves the state, not
@@ -117,14 +117,14 @@ pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
 /// The regularisation lambda of the ridge regression: 0.05 * 318^2, because a feature of 1 is the integer 318.
 pub(super) const REGULARISATION: i64 = 5056;
-/// The largest error of a response, in units of 1/16384 (about 4). Larger errors are clamped to it.
+/// The largest error of a response, in units of 1/16384: about 4. Larger errors are clamped to it.
 pub(super) const MOST_ERROR: i32 = 65_535;
-/// The largest coded error of a response: a sum of 289 products with features of 8 bits stays below 2^31.
+/// The largest coded error of a response, so that a sum of 289 products with features of 8 bits stays below 2^31.
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;
 /// The squared width of the Gaussian label, as a fraction: (standard deviation / root of the target's area)^2 = 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
-/// The standard deviation of the mask that weights the filter's cells in learning: half of the target's side, on each
-/// axis. Unit: 1/256 cell for each pixel of the template's side.
+/// The standard deviation of the mask that weights the filter's cells in learning, on each axis: 32 / 256 cell for each
+/// pixel of the template's side, which is half of the side.
 pub(super) const MASK_WIDTH: u32 = 32;
 /// Steps of conjugate gradients at the lock. More steps overfit the first frame: 9 lower the success rate R by 0.004 +-
 /// 0.006. 25 steps of steepest descent, at four times the work, raise it by 0.003 +- 0.005.

@@ -160,7 +160,7 @@ impl Target for Robust {
         Self::configured(&self.config)
     }
 
-    /// The box, its surroundings up to the radius of a search window, and the refiner's crop (1.75 times the box).
+    /// The pixels that a lock reads: the search window around the box, and the refiner's crop (1.75 times the box).
     fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect {
         if bounds.contains(bbox) { lock_pixels(bounds, bbox, Self::configured(&self.config)) } else { Rect::default() }
     }
@@ -328,7 +328,7 @@ impl Workspace {
         Self { progress: Progress::Nothing, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
-    /// The filter's penalised response at the peak of the answer, in units of 1/16384; 0 before that peak is refined.
+    /// The filter's penalised response at the peak that gave the answer, in units of 1/16384; 0 before its refinement.
     pub(crate) const fn response(&self) -> i32 {
         if let Progress::Update(update) = &self.progress { update.candidate().response } else { 0 }
     }

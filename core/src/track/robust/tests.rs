@@ -57,10 +57,10 @@ fn a_target_of_any_size_costs_about_the_same() {
     }
 }
 
-/// The most work done in an update, in a lock, and in a step beyond its grant.
+/// The most work of an update, the most of a lock, and the most by which a step exceeds its grant.
 fn most_done(config: Config) -> [u64; 3] {
     let mut most = [0; 3];
-    // Filters of nearly 200 cells, the most, in three shapes.
+    // Filters of three shapes, with nearly 200 cells, the maximum.
     for (width, height) in [(79, 79), (158, 66), (316, 50), (300, 48)] {
         // The frame has five times the target's width, so that a row of the sweep has at least four windows.
         let (across, down) = (5 * width, 3 * height);
@@ -256,7 +256,7 @@ fn a_covered_lens_is_lost_and_teaches_nothing() {
                 (target.weights().to_vec(), target.early_template().unwrap().collect())
             };
             let before = learned(&tracker);
-            // The sweep repeats after a few updates. One target is covered for 300 frames, as in `eval --fault cover`.
+            // 60 covered frames suffice: the sweep repeats after a few. One kind has 300, as in `eval --fault cover`.
             let covered = if name == "textured" { 300 } else { 60 };
             let states: Vec<State> = (0..covered).map(|_| update(&mut tracker, &[level; 160 * 120]).state).collect();
             let tracking = states.iter().filter(|&&state| state == State::Tracking).count();

@@ -137,7 +137,7 @@ fn at_most(most: u32, target: Rect) -> Rect {
 struct Way {
     /// The work granted to each step.
     grant: u32,
-    /// If set, each step lasts until a deadline. The deadline expires at its check of this number, counted from 1.
+    /// If set to n, each step lasts until a deadline, which has expired at the n-th check.
     until: Option<u32>,
     /// Only the windows that the tracker reads are in memory.
     part: bool,
@@ -147,7 +147,7 @@ struct Way {
     shared: bool,
     /// A turn of the camera that both trackers are told.
     turn: Option<(i32, i32)>,
-    /// An interrupted call: (work done, in 1/256; index of the call that ends it; true for a lock, else an update).
+    /// An interrupted call: (its work, in 1/256 of the last call's; index of the call that ends it; true for a lock).
     interrupted: Option<(u32, usize, bool)>,
 }
 

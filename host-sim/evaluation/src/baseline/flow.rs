@@ -1,4 +1,4 @@
-//! Lucas-Kanade: minimises the squared difference along gradients, from coarse to fine, to fractions of a pixel.
+//! Lucas-Kanade: finds, to fractions of a pixel, the least squared difference of template and frame by gradients.
 
 use smr_core::Image;
 
@@ -32,7 +32,7 @@ pub(super) fn find(
     [place[0] + corner[0], place[1] + corner[1]]
 }
 
-/// Fits from the smallest level of the pyramid down to `scene`; each level starts where the smaller one ended.
+/// Fits the template on all pyramid levels, smallest first, `scene` last; each starts where the one before ended.
 fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut start = from;
     if template.width.min(template.height) / 2 >= LEAST_SIDE {
@@ -61,7 +61,7 @@ fn fit(scene: &Plane, template: &Plane, start: [f64; 2], limits: [(f64, f64); 2]
 
 /// Returns the Gauss-Newton step from (x, y) to the best fit; `None` if gradients do not determine it.
 fn step(scene: &Plane, template: &Plane, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
-    // Sums of gx gx, gx gy, gy gy, gx d and gy d, where d is the difference.
+    // Sums of gx gx, gx gy, gy gy, gx d and gy d: (gx, gy) is the gradient of `scene`, and d is template minus scene.
     let mut sums = [0.0; 5];
     for row in 0..template.height {
         for column in 0..template.width {
@@ -87,7 +87,7 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// Copies the pixels of `frame` from `place` on; zeros outside of the frame.
+    /// Copies the box of `size` pixels at `place` from `frame`; zeros outside of the frame.
     pub fn new(frame: Image<'_>, place: (i32, i32), size: (i32, i32)) -> Self {
         let side = |length: i32| usize::try_from(length).unwrap_or(0);
         Self { width: side(size.0), height: side(size.1), pixels: levels(frame, place, size).map(f64::from).collect() }
@@ -123,7 +123,7 @@ impl Plane {
     }
 }
 
-/// Returns the pixels of `frame` from (`left`, `top`) on, row by row; zeros outside of the frame.
+/// Returns the pixels of `frame` in a box at (`left`, `top`), row by row; zeros outside of the frame.
 pub(super) fn levels(
     frame: Image<'_>,
     (left, top): (i32, i32),

@@ -1,4 +1,4 @@
-//! The baselines of the paper's comparison: SMR's window, padding, tie rule and template update with another cost.
+//! Baselines of the paper's comparison: they share SMR's window, padding, tie rule and template update, not its cost.
 //!
 //! SAD (sum of |F - G|) and SSD (sum of (F - G)^2) take the least cost, NCC the largest correlation coefficient of F
 //! and G, 0 if either is constant. Lucas-Kanade (`flow`) follows gradients instead of a search. A baseline always
@@ -21,7 +21,7 @@ pub(super) struct Baseline {
     kind: MethodKind,
     radius: Radius,
     padding: u16,
-    /// Bounds of the frame of the lock; empty before the first lock.
+    /// Bounds of the frame in which the target was locked; empty before the first lock.
     bounds: Rect,
     size: (u16, u16),
     /// Left and top edge of the target in pixels; fractional only with Lucas-Kanade.
@@ -158,7 +158,7 @@ fn difference<'a>(rows: impl Iterator<Item = Pair<'a>>, enough: f64, pixel: impl
     sum
 }
 
-/// Statistics of a template: sum of its pixels, and `pixels`^2 times their variance (at most 2^40 * 255^2 < 2^56).
+/// Template statistics: pixel count n, sum of the levels, and n^2 times their variance (at most 2^40 * 255^2 < 2^56).
 struct Spread {
     pixels: i64,
     sum: i64,
@@ -172,7 +172,7 @@ impl Spread {
         Self { pixels, sum, spread: pixels * squares - sum * sum }
     }
 
-    /// Returns the correlation coefficient with a box, given its sums of pixels and squares; all sums are exact.
+    /// Returns the correlation coefficient with a box, from the sums of its levels and their squares; sums are exact.
     fn correlation<'a>(&self, [sum, squares]: [i64; 2], rows: impl Iterator<Item = Pair<'a>>) -> f64 {
         let of_row = |(f, g): Pair<'_>| f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum::<u32>();
         let products: i64 = rows.map(|row| i64::from(of_row(row))).sum();

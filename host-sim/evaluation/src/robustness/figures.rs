@@ -60,7 +60,7 @@ fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
 pub(super) const HEADLINE: [(&str, &str); 3] =
     [("mean_correct", "correct"), ("mean_correct_50", "correct@0.5"), ("f", "F")];
 
-/// Declares figures. A line: field, type, `mean` or `sum` over recordings, title, digits, optional ratio column.
+/// Declares figures, one per line: field, type, mean or sum over recordings, title, digits, optional ratio column.
 macro_rules! figures {
     ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident, $title:literal $digits:literal
         $(, $ratio:literal $part:ident $whole:ident)?;)*) => {

@@ -43,7 +43,7 @@ const START: &[Column<(Case, Score)>] = &[
     ("correct", "", 0, |(_, score)| score.correct.into()),
 ];
 
-/// Runs every variant (names must differ) from every start; compares it with `former` or else the first variant.
+/// Runs every variant (names must differ) from every start; compares it with `former`, or else the first variant.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -72,8 +72,8 @@ pub fn measure(
     Measured { tables, failures, notes: Vec::new(), is_empty: rows.is_empty() }
 }
 
-/// Returns three tables: figures by method and recording, the starts in the same order, and means over all recordings
-/// and, if there are several folders, over each.
+/// Returns three tables. First: figures by method and recording. Second: the starts, in the order of the first. Third:
+/// means over all recordings and, if there are several folders, over the recordings of each folder.
 fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     let (figures, origin) = (Head::all(Figures::COLUMNS), Head::all(Origin::COLUMNS));
     let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")]);
@@ -93,7 +93,7 @@ fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
             folders.push(&row.folder);
         }
     }
-    // A single folder has no mean of its own, which would be that of all recordings.
+    // A single folder gets no mean of its own, because it would equal the mean of all recordings.
     let split = if folders.len() > 1 { folders.as_slice() } else { &[] };
     for variant in variants {
         let name = || Value::from(variant.name.as_str());

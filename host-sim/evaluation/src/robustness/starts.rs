@@ -11,7 +11,7 @@ use std::str::FromStr;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Starts {
-    /// The given box in the first frame; also moved 2 pixels right or down, and scaled by 0.95 and 1.05.
+    /// Five starts in the first frame: the given box unchanged, moved 2 pixels right or 2 down, scaled by 0.95 or 1.05.
     Near,
     /// The ground truth box in the first visible frame and every N-th one after it, but not in the last frame.
     Every(NonZeroUsize),
@@ -54,9 +54,9 @@ impl Protocol for Starts {
     }
 }
 
-/// Returns the first `most` of five cases: the given box, moved 2 pixels to the right, moved 2 pixels down, and scaled
-/// about its centre by 0.95 and by 1.05. Each value is rounded once, after the change, so a scaled small box may be the
-/// given one. Parts outside of the frame are cut off, except of the given box.
+/// Returns the first `most` of five cases: the given box; the box moved 2 pixels to the right; moved 2 pixels down;
+/// scaled about its centre by 0.95; and by 1.05. Each value is rounded once, after the change, so a small box may stay
+/// as given when it is scaled. All boxes but the given one are cut to the frame.
 fn near(recording: &Recording, most: usize) -> Result<Vec<Case>> {
     let given = recording.init;
     let changed = [

@@ -18,7 +18,7 @@ const CHUNK: usize = 1 << 16;
 pub(super) struct Ffmpeg {
     process: Process,
     said: Receiver<String>,
-    /// Channel, for one frame, to the thread that writes to ffmpeg and may block.
+    /// Channel with space for one frame, to a thread that writes frames to ffmpeg, because that write may block.
     frames: SyncSender<Vec<u8>>,
     chunks: Arc<AtomicU64>,
     file: PathBuf,

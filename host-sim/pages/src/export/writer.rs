@@ -20,7 +20,7 @@ use smr_recordings::{BoundingBox, GrayFrame};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Frames a second to write into files, because a recording has no rate.
+/// Frame rate that is written into files, in frames a second, because a recording has no rate of its own.
 const RATE: u32 = 25;
 
 /// A file, a folder of pictures, or the layout of a toolkit.
@@ -87,7 +87,7 @@ pub struct Writer {
     start: Option<BoundingBox>,
     /// File of all frames; `None` if each frame is a picture.
     file: Option<Output>,
-    /// Folder of the boxes and the frames; `None` for a file alone.
+    /// Folder of the boxes and the frames; `None` if the recording is written as a single file.
     folder: Option<Folder>,
     written: Written,
 }

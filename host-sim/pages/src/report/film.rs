@@ -74,7 +74,7 @@ pub enum Refusal {
 pub struct Moment {
     /// A report for each method. It is *lost* before the first box of a target, and while the target is gone.
     pub reports: Vec<Report>,
-    /// Box to draw for each method. While lost, it is the last accepted box or the tracker's unconfirmed one.
+    /// Box to draw for each method: for a lost target, the last accepted box, or one that the tracker did not confirm.
     pub(super) lasts: Vec<BoundingBox>,
 }
 

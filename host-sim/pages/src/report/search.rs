@@ -9,7 +9,7 @@ use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, free_gain, relit, threshold};
 
 pub struct Observation {
-    /// Box of the method. While lost, it is the last accepted box or the tracker's unconfirmed one.
+    /// Box of the method: for a lost target, the last accepted box, or one that the tracker did not confirm.
     pub bbox: BoundingBox,
     /// Compared pixels; `None` in the frame of a lock, which needs no search.
     pub search: Option<Search>,

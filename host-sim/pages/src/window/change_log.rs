@@ -75,7 +75,7 @@ impl ChangeLog {
         since == 0 || since >= self.forgotten
     }
 
-    /// Returns the discarded frame ranges, the messages, and the ids of files with progress after position `since`.
+    /// Returns entries after position `since`: discarded frame ranges, messages, and ids of files with progress.
     pub fn after(&self, since: u64) -> (Vec<TargetSpan>, Vec<String>, Vec<u32>) {
         (after(&self.void, since), after(&self.messages, since), after(&self.made, since))
     }

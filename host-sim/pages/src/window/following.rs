@@ -89,7 +89,7 @@ struct Key {
 struct Segment {
     /// Frame of the first row: the lock's frame, or a later one after a camera's old rows were dropped.
     first: usize,
-    /// For each frame: position in [`ChangeLog`], ascending, and row; `None` if the frame was dropped.
+    /// For each frame from `first` on: position in [`ChangeLog`], ascending, and row; `None` if the frame was dropped.
     rows: VecDeque<(u64, Option<Row>)>,
     /// True if the tracker refused a frame, or a camera no longer keeps the lock's frame. No answers follow.
     failed: bool,

@@ -30,7 +30,7 @@ pub struct Growing {
 
 struct Opened {
     recorded: Arc<Recorded>,
-    /// Largest frame count and longest list of times, because a reopened recording starts with an incomplete index.
+    /// Largest frame count and longest list of times so far: a reopened recording starts with an incomplete index.
     known: Known,
     /// Value of [`size`] when the recording was last opened.
     size: u64,

@@ -68,7 +68,7 @@ fn sums(numbers: &Numbers, picture: &Patch, column: i64, row: i64) -> Sums {
     let side = numbers.cell;
     for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (1 + column * side + x, 1 + row * side + y))) {
         let (right, down) = (pixel(x + 1, y) - pixel(x - 1, y), pixel(x, y + 1) - pixel(x, y - 1));
-        // Directions are unsigned: opposite gradients count alike.
+        // Directions are unsigned: a gradient and its opposite add to the same direction.
         let turned = down < 0.0 || (down == 0.0 && right < 0.0);
         split(&mut sums.gradient, if turned { (-right, -down) } else { (right, down) });
         sums.gray += pixel(x, y);
@@ -92,10 +92,10 @@ fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
     gradient[second % DIRECTIONS] += cross(second - 1).max(0.0);
 }
 
-/// Features of a cell: gradients / norm of the 3x3 cells around, rounded down, at most 127; then mean gray level - 128.
+/// Features of a cell: gradients normalised by the 3x3 cells around, rounded down, at most 127; then mean gray - 128.
 fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
     let norm = down(energy_around.sqrt(), 8.0) + numbers.norm_floor;
-    // Factor from a quarter of a gray level to a feature value, rounded down to 2^-16.
+    // Factor from gradients in quarters of a gray level to features, rounded down to a multiple of 2^-16.
     let quarter = down(numbers.norm_gain / (norm * 8.0), 65536.0);
     let byte = |sum: &f64| (sum * 4.0 * quarter).floor().min(127.0);
     let gray = (sums.gray / to_f64(numbers.cell * numbers.cell)).floor() - 128.0;

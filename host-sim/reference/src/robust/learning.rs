@@ -67,8 +67,8 @@ impl Filter {
         }
     }
 
-    /// Takes a step of `part` times the best length for offsets up to `reach` cells. Direction: gradient times learning
-    /// window, plus the direction of the step `before` times the new descent / the descent of `before`.
+    /// Takes a step of `part` times the best length, measured at offsets up to `reach` cells. Direction: gradient times
+    /// learning window, plus the previous direction (in `before`) times the new descent / the previous descent.
     pub fn learn(
         &mut self,
         numbers: &Numbers,

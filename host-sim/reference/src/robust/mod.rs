@@ -44,11 +44,11 @@ pub struct Step {
     pub decision: Decision,
     pub confidence: f64,
     pub scale: f64,
-    /// Box in pixels (left, top, width, height): with fractions, and with whole edges.
+    /// Box in pixels (left, top, width, height): first with fractions, second with edges rounded to whole pixels.
     pub fine: [f64; 4],
     pub bbox: [i64; 4],
     pub learned: bool,
-    /// True if windows of a grid over the whole frame were searched for the lost target, a few per frame.
+    /// True if the lost target was searched for in the next few windows of a grid over the whole frame.
     pub swept: bool,
     pub found: bool,
     /// True if a lost target was found again, in its usual search window or in the search of the whole frame.
@@ -98,7 +98,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Locks on the box `target` (left, top, width, height) inside the frame. `refiner` has the network's weights.
+    /// Locks on the box `target` (left, top, width, height) inside the frame. `refiner`: the network's weights file.
     pub fn lock(
         numbers: Numbers,
         refiner: &'static [u8],
@@ -168,8 +168,8 @@ impl Reference {
         all.into_iter().reduce(union).expect("there is a window")
     }
 
-    /// Bounds (left, top, right, bottom) of the frame pixels that the next update also reads if it loses the target;
-    /// `None` if even a frame without evidence would not make the target lost.
+    /// Bounds (left, top, right, bottom) of the frame pixels that the next update also reads if it redetects the
+    /// target; `None` if it cannot, because the target would not be lost even without evidence, or there is no sweep.
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { sweep, reach, .. } = self.numbers;
         let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
@@ -206,7 +206,7 @@ impl Reference {
                 *mean += nearest((new - *mean) * self.numbers.early_rate, FINE);
             }
         }
-        // Move of the target in cells, rounded toward 0 to 1/256: the filter's label is centred there.
+        // Offset of the target from the window's middle in cells, rounded toward 0 to 1/256: centre of the label.
         let cell = to_f64(self.numbers.cell) * self.shape.step_at(centre.scale);
         let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
         let target = (moved(candidate.place.x, centre.x), moved(candidate.place.y, centre.y));

@@ -35,7 +35,7 @@ pub struct Numbers {
     pub update_step: f64,
     /// Gradient steps at the lock. An update takes one.
     pub first_steps: usize,
-    /// Largest fraction of the previous direction in a conjugate-gradient step.
+    /// Largest factor of the previous direction in a conjugate-gradient step.
     pub most_conjugate: f64,
     /// Fraction of a response that is subtracted at the edge of the search, in units of 1/256.
     pub distance_penalty: f64,
@@ -73,7 +73,7 @@ pub struct Numbers {
     pub coarse_step: i64,
     /// Minimum agreement (a patch's similarity to the early template) for refining position and size.
     pub refined_from: f64,
-    /// Bounds of a Gauss-Newton step: move in template pixels, and growth in units of 1/65536.
+    /// Largest magnitudes in a Gauss-Newton step: move in template pixels, and growth in units of 1/65536.
     pub most_move: f64,
     pub most_growth: f64,
     /// Each diagonal element of the normal equations is multiplied by 1 + 1 / damping.

@@ -15,7 +15,7 @@ const MEAN: f64 = 64.0;
 /// Resolution of the network's outputs: 1/4096.
 const ESTIMATE: f64 = 4096.0;
 
-/// Layers: output side and stride (of convolutions only), input and output channels, divisor of the sums.
+/// Layers: (output side, stride, input channels, output channels, divisor of the sums); full ones lack side and stride.
 const CONVOLUTIONS: [(i64, i64, i64, i64, f64); 4] =
     [(16, 2, 2, 8, 64.0), (8, 2, 8, 16, 128.0), (8, 1, 16, 24, 128.0), (4, 2, 24, 24, 128.0)];
 const FULLY_CONNECTED: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 6, 1.0)];
@@ -98,7 +98,7 @@ fn lattice([x, y, width, height]: [f64; 4]) -> Lattice {
     Lattice { x: middle(x, width), y: middle(y, height), step, step_down, columns: SIDE, rows: SIDE }
 }
 
-/// Samples the crop of a box, normalised to mean 64 and standard deviation 16, less for low contrast.
+/// Samples the crop of a box, normalised to mean 64 and standard deviation 16, or a lower deviation if contrast is low.
 fn crop(numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) -> Vec<f64> {
     let pixels = lattice(target).sample(numbers, frame).pixels;
     let mean = nearest(pixels.iter().sum::<f64>() / to_f64(SIDE * SIDE), 1.0);
@@ -175,7 +175,7 @@ impl Refiner {
         decided(self.opinion, numbers.opinion_lost_below, numbers.opinion_uncertain_below)
     }
 
-    /// Reduces the correction by a quarter and counts full trust, because alignment has made the frame's box exact.
+    /// Reduces the correction by a quarter and updates the opinion by full trust, because alignment made the box exact.
     pub fn fade(&mut self, numbers: &Numbers) {
         self.update_opinion(numbers, numbers.most_trust);
         self.centre = self.centre.map(|centre| down(centre * 0.75, ESTIMATE));

@@ -36,7 +36,7 @@ pub fn quotient(number: f64, by: f64) -> f64 {
     (number as i128).div_euclid(by as i128) as f64
 }
 
-/// Smallest power of two `d` with floor(`largest` / d) + 1, an upper bound of the rounded quotient, at most `most`.
+/// Smallest power of two `d` with floor(`largest` / d) + 1 <= `most`, so that rounded quotients are at most `most`.
 pub fn divisor(largest: f64, most: f64) -> f64 {
     let mut divisor = 1.0;
     while (largest / divisor).floor() + 1.0 > most {

@@ -31,7 +31,7 @@ impl Patch {
 }
 
 /// Size of the template in pixels (`columns`, `rows`) and of the filter in cells (`across`, `down`). `step` is the
-/// distance of template pixels at scale 1, in frame pixels.
+/// distance of neighbouring template pixels at scale 1, in frame pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     pub columns: i64,

@@ -86,7 +86,7 @@ public:
         return status;
     }
 
-    /** Finds the target in the next frame, which must have the size of the locked one. */
+    /** Finds the target in the next frame, which must have the size of the frame given to lock(). */
     Answer update(const uint8_t *pixels) { return update(whole(pixels, width_, height_)); }
 
     /** Finds the target in a frame of which only parts are in memory: see smr_windows(). */

@@ -9,7 +9,7 @@ struct Stream {
   void print(int number) { printf("%d", number); }
   void println(const char *text) { printf("%s\n", text); }
   void println(int number) { printf("%d\n", number); }
-  // One character is waiting at first.
+  // At the start, one character waits to be read.
   int available() { return waiting; }
   int read() { return waiting-- ? 'x' : -1; }
   int waiting = 1;

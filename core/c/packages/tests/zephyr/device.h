@@ -1,4 +1,4 @@
-/* Stands in for Zephyr's devices: has one, which is ready. */
+/* Stands in for Zephyr's devices: the camera is the only device, and is always ready. */
 #pragma once
 #include <stdbool.h>
 struct device { int unused; };

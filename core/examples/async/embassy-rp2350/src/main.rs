@@ -32,7 +32,7 @@ const WIDTH: u16 = 320;
 const HEIGHT: u16 = 240;
 const FORMAT: Format = Format::Yuyv;
 const LINE_BYTES: usize = FORMAT.line_bytes(WIDTH);
-/// Gray pixels of two windows, each at most a whole frame.
+/// Size of the buffer `GRAY` in pixels: two windows of at most a whole frame each.
 const PIXELS: usize = 2 * WIDTH as usize * HEIGHT as usize;
 
 /// The box to lock on when the button is pressed: 64x64 pixels in the middle.

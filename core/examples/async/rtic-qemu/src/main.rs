@@ -131,7 +131,7 @@ mod app {
         });
         IS_UPDATING.store(false, Ordering::Relaxed);
         let Some(answer) = answer else { fail("cannot lock on the box or search the frame") };
-        // If an update takes too long, a frame is skipped and the answers differ.
+        // If an update takes too long, the tracker misses a frame, and its answers differ from the expected ones.
         *differ += u32::from(whole.get(usize::from(number)) != Some(&answer));
         *updates += u32::from(number > 0);
         if number + 1 >= FRAMES {

@@ -28,7 +28,7 @@ use core::arch::asm;
 struct Memory {
     row: Row,
     words: usize,
-    /// The points of a row of equal pixels for [`point_margins`], the [`entry_offset`] for [`outside_ranges`].
+    /// In [`point_margins`]: the maximum sum of points of a row. In [`outside_ranges`]: the [`entry_offset`].
     own: usize,
 }
 
@@ -65,7 +65,7 @@ macro_rules! points_of_word {
 /// The template has at least four columns, the patch as many and three more.
 #[inline(never)]
 pub(super) unsafe fn point_margins(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
-    // Here `skipped_bits` is a mask: 255 in the bytes of the last word that also belong to a whole word.
+    // Here `skipped_bits` is a mask: 255 in those bytes of the last word that the whole words already cover.
     let mut row = Row::of(pair);
     row.skipped_bits = u32::MAX >> (8 * (pair.width % LANES));
     let memory = Memory { row, words: words(pair), own: Points::of_row(pair) as usize };
@@ -155,7 +155,7 @@ macro_rules! outside_word {
 #[inline(never)]
 pub(super) unsafe fn outside_ranges(pair: &Rows, allowed: u32) -> u32 {
     let mut memory = Memory { row: Row::of(pair), words: words(pair), own: entry_offset(pair, CODE_OF_A_WORD) };
-    // Start of a count that reaches 0 once more than `allowed` (of at most 65537) pixels are outside.
+    // The count starts at -`allowed` - 1 and reaches 0 once more than `allowed` pixels (of at most 65537) are outside.
     let start = !allowed.cast_signed();
     let mut sum = start;
     // SAFETY: only words within a row are read. Nothing but `memory` is written.

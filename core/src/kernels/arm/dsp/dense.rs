@@ -76,7 +76,7 @@ unsafe fn unpack(patches: *const i8, inputs: usize, room: *mut u32) {
 #[repr(C)]
 struct RemainingOutputs {
     biases: *const [u8; 4],
-    /// The unpacked patches, or the only patch.
+    /// Two unpacked patches, or one patch of bytes.
     from: *const i8,
     /// Bytes from an output of the first patch to that of the second; 0 for one patch.
     apart: usize,

@@ -1,4 +1,4 @@
-//! Gradients of a cell by the DSP extension: `smusd` computes the distance of a gradient beyond a direction.
+//! Gradients of a cell by the DSP extension: `smusd` computes cos * |y| - sin * |x|, the distance beyond a direction.
 
 use crate::kernels::layout::{CELL, CHANNELS, SIDE};
 use crate::kernels::plain::gradients::DIRECTIONS;
@@ -30,8 +30,8 @@ macro_rules! features {
     };
 }
 
-/// Adds the gradient of a pixel to its sector. `$pixel` holds |y| in the low and |x| in the high 16 bits. The top bit
-/// of byte `$byte` of r8 is set if the gradient is mirrored. r11 becomes the sector minus 4.
+/// Adds the gradient of a pixel to its sector; r11 becomes its index minus 4. `$pixel` holds |y| in the low and |x| in
+/// the high 16 bits. The top bit of byte `$byte` of r8 is set if x and y differ in sign: mirrored sector.
 macro_rules! add {
     ($pixel:literal, $byte:literal) => {
         concat!(
@@ -51,7 +51,8 @@ macro_rules! add {
     };
 }
 
-/// Computes the features of a row of cells as the plain loop does; none if channels are missing or `out` is too long.
+/// Computes the features of a row of cells as the plain loop does. Writes nothing if `sums` has fewer than ten channels
+/// or `out` is longer than `ROW`.
 #[inline(always)]
 pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     const { assert!(2 * ROW < 256) };
@@ -101,8 +102,8 @@ macro_rules! sum {
     };
 }
 
-/// Computes channel sums and energies as the plain loop does; none if channels are missing. A gradient along an axis
-/// may be added to a sector or to its mirror image: both give the same votes.
+/// Computes channel sums and energies as the plain loop does; nothing if `sums` has fewer than ten channels. A gradient
+/// along an axis may be added to a sector or to its mirror image, because the votes are the same.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -111,8 +112,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     across: usize,
 ) {
     const { assert!(COLUMNS >= 4 * ROW + 2 && COLUMNS < 256 && 2 * ROW < 256) };
-    // Words 0 to 4: the sectors. Word 5: the end address of the pixels. Words 32 to 36: the mirrored sectors, at byte
-    // 128, so that the top bit of a byte, set for mirrored gradients, is their offset.
+    // Words 0 to 4: the sectors. Word 5: the end address of the pixels. Words 32 to 36: the mirrored sectors. They
+    // begin at byte 128, so that the sign byte of a gradient (128 if x and y differ in sign, else 0) is the offset.
     let mut memory = MaybeUninit::<[u32; 37]>::uninit();
     let mut pixels = lines.as_ptr().cast::<u8>().wrapping_add(COLUMNS);
     let mut to = sums.as_mut_ptr().cast::<u16>().wrapping_add(ROW);
@@ -138,7 +139,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "2:",
                 "ldr r6, [r1]",
                 "ldr r7, [r1, #2]",
-                // Absolute differences of four pixels. The top bits of r8 are the signs.
+                // Absolute horizontal differences at four pixels. The top bit of each byte of r8 is a sign.
                 "usub8 r12, r6, r7\nuhsub8 r8, r7, r6\nusub8 r7, r7, r6\nsel r7, r7, r12",
                 "ldr r6, [r1, #1 - {columns}]",
                 "ldr r12, [r1, #1 + {columns}]",
@@ -158,7 +159,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 add!("r10", 3),
                 "cmp r1, r12",
                 "bne 2b",
-                // Channel sums 1 to 4 from the sectors, then 8 to 5 from the mirrored sectors. r9 becomes sum 0.
+                // Computes channel sums 1 to 4 from the sectors, then 8 to 5 from the mirrored ones. r9 becomes sum 0.
                 "ldrd r2, r3, [sp]",
                 "add r1, r0, #128",
                 "mov r8, #{row}",

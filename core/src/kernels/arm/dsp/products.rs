@@ -192,7 +192,7 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
     }
 }
 
-/// Unpacks one channel of `width` cells as pairs of two rows (`first`). Subtracts the two rows `second` unless `whole`.
+/// Unpacks one channel of the two rows `first` of `width` cells to pairs, minus the two rows `second` unless `whole`.
 ///
 /// # Safety
 /// A byte of `width` cells can be read from each row, and as many words written. `width` is not 0.
@@ -227,8 +227,8 @@ unsafe fn pairs_of_rows(to: *mut i32, width: usize, first: [*const i8; 2], secon
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
 pub(crate) const GATHER_PIECES: Option<usize> = Some(SUMS * STEP);
 
-/// Adds the gradient of the filter's error, as [`plain::gather`] specifies. A piece of work is a channel of a partial
-/// sum.
+/// Adds the gradient of the filter's error, as [`plain::gather`] specifies. A piece of work is one channel of one of
+/// the three partial sums in `three_sums.rs`.
 ///
 /// An error is at most 16,383, and two of them add up to at most 32,766, which fits in 16 bits. A difference of two
 /// features takes 9 bits. Each of the three sums is at most 17 * 9 * 32,766 * 128 < 2^30.
@@ -255,7 +255,7 @@ pub(crate) fn gather<const N: usize>(
     for piece in pieces.start..pieces.end.min(SUMS * STEP) {
         let (sum_of, channel) = (piece / STEP, piece % STEP);
         let (rows, offsets) = (by_two.rows_of(sum_of), by_two.offsets_of(sum_of));
-        // At odd offsets the errors begin at the second row of a pair of rows of cells.
+        // At odd vertical offsets, the first row of errors lies on the second row of a pair of rows of cells.
         let odd_rows = rows.div_ceil(2);
         if channel == 0 {
             factors.fill(0);
@@ -274,7 +274,8 @@ pub(crate) fn gather<const N: usize>(
                 }
             }
         }
-        // Below the last row of cells, that row is read: `both` adds its products, `upper` and `lower` subtract them.
+        // A row index beyond the last row of cells reads the last row. Its products cancel: `both` adds them, `upper`
+        // and `lower` subtract them.
         let channel_of = |row: usize| cells.as_ptr().wrapping_add(row.min(down + span - 2) * stride + channel);
         for number in 0..(rows + offsets) / 2 {
             let of = |row| channel_of(4 * number + row);
@@ -333,8 +334,8 @@ macro_rules! add {
     };
 }
 
-/// Defines a function that adds products to n sums, four factors at a time. It decrements its counter after the first
-/// load, for which a product would wait. One to three extra factors come first, then the numbers are reloaded.
+/// Defines a function that adds products to n sums: first of the one to three extra factors, then of four factors at a
+/// time. Reloads the numbers in between. Decrements its counter while it would wait for the first load.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {
@@ -376,7 +377,7 @@ macro_rules! slide {
                         $store,
                         "add sp, sp, #16",
                         inout("r0") sums => _,
-                        // Bytes from the end of a row of numbers to the next one.
+                        // Bytes from the end of the numbers read in a row to the next row.
                         inout("r5") WORD * width.wrapping_sub(count + $n - 1) => _,
                         inout("r8") factors.wrapping_add(rows * count) => _,
                         // The factor count less four: not negative, with the same two lowest bits.

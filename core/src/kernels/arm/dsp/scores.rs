@@ -309,7 +309,7 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8) {
             a = out(reg) _, b = out(reg) _, c = out(reg) _, d = out(reg) _, e = out(reg) _, f = out(reg) _,
             g = out(reg) _,
             rows = in(reg) from,
-            // A word less, because the loop has advanced `at` by a word when it stores.
+            // One word lower, because the loop advances `at` by a word before it stores.
             low = in(reg) low.wrapping_sub(LANES),
             span = in(reg) span.wrapping_sub(LANES),
             at = inout(reg) 0 => _,

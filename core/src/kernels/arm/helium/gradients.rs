@@ -6,7 +6,7 @@ use core::arch::asm;
 use core::mem::MaybeUninit;
 
 const LANES: usize = 4;
-/// Sectors between two directions, including the mirrored ones.
+/// Number of sectors: five, each between two neighbouring directions, and their five mirror images.
 const SECTORS: usize = 10;
 /// Lookup tables of the assembly, which depends on their offsets.
 #[repr(C, align(4))]
@@ -20,7 +20,7 @@ static TABLES: Tables = Tables(
         [191; 16],
         [79; 16],
         [105; 16],
-        // The index of a sector plus the index of its mirror image. Next row: byte offsets in `Memory::pixels`.
+        // Sum of the indices of a sector and of its mirror image. Next row: byte offsets in `Memory::pixels`.
         [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
         [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
     ],
@@ -51,7 +51,8 @@ static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
 struct Memory {
     /// Gradients of a row of pixels: `[pixel of a cell][kind][cell][byte]`. Kind 0: |y|, |x|. Kind 1: sector index, 0.
     pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
-    /// Sums `[sector][cell][|y|, |x|]` of the mirrored sectors 4 to 0, then of 0 to 4: neighbours share a direction.
+    /// Sums `[sector][cell][|y|, |x|]`: first sectors 4 to 0 of gradients whose x and y differ in sign, then sectors 0
+    /// to 4 of equal signs, so that entries next to each other have a direction in common.
     sectors: [[[u16; 2]; LANES]; SECTORS],
 }
 
@@ -119,9 +120,9 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "add r11, r1, #64",
                 "dls lr, r8",
                 "2:",
-                // The gradients of 16 pixels, and the indices of their sectors. r10 begins one row above the pixels and
-                // moves to them, r5 is one row below. A gradient is beyond direction 1, 3 or 4 if |x| is at most a
-                // multiple of |y|. Loads alternate with arithmetic, because the processor does both at once.
+                // Computes the gradients of 16 pixels and the indices of their sectors. r10 points one row above the
+                // pixels, then to them; r5 points one row below. A gradient is beyond direction 1, 3 or 4 if |x| is at
+                // most a multiple of |y|. Loads alternate with arithmetic, because the processor does both at once.
                 "vldrb.u8 q2, [r10]",
                 "add r10, r10, #{line}",
                 "add r5, r10, #{line}",
@@ -141,7 +142,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vldrw.u32 q1, [r3, #256]",
                 beyond!("q2"),
                 "vldrb.u8 q2, [r3, q5]",
-                // A gradient is mirrored if the signs differ. If x or y is 0, both ways give the same votes.
+                // Selects mirrored sectors if x and y differ in sign. If x or y is 0, both give the same votes.
                 "veor q4, q4, q3",
                 beyond!("q2"),
                 "vldrw.u32 q3, [r3, #288]",
@@ -158,7 +159,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vpt.s8 lt, q4, zr",
                 "vsubt.i8 q1, q3, q1",
                 "vstrb.8 q1, [r4, q7]",
-                // Meanwhile q6 sums up gray levels: two neighbouring pixels in a lane.
+                // In between, q6 sums gray levels: two neighbouring pixels in each 16-bit lane.
                 "vldrh.u32 q0, [r1, #8]",
                 "vldrb.u8 q3, [r10]",
                 "vldrb.u16 q1, [r1]",
@@ -177,8 +178,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vadd.i16 q6, q6, q1",
                 "vstrh.32 q6, [r0]",
                 "sub r0, r0, #4 * {row}",
-                // Sector 4 and its mirror image lie between the directions 4 and 5, and votes add their |y| and
-                // subtract their |x|. So the sums of both become (|y| + mirrored |y|, |x| - mirrored |x|).
+                // Sector 4 and its mirror image vote for directions 4 and 5: with equal factors of |y| and opposite
+                // factors of |x|. So the sums of both are set to (|y| + mirrored |y|, |x| - mirrored |x|).
                 "vldrw.u32 q0, [r11]",
                 "vldrw.u32 q1, [r11, #144]",
                 "mvn r2, #0",
@@ -255,7 +256,7 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
             "dls lr, lr",
             "2:",
             "vldrh.u16 q2, [r5], #{row}",
-            // sum * upper half of the inverse + (sum * lower half >> 16).
+            // sum * inverse >> 16, as sum * (upper half of inverse) + (sum * (lower half) >> 16).
             "vmulh.u16 q3, q2, q0",
             "vmul.i16 q2, q2, q1",
             "vadd.i16 q2, q2, q3",
@@ -301,7 +302,7 @@ pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
             "vmov.i32 q6, #1",
             "wlstp.32 lr, lr, 3f",
             "2:",
-            // The next column to the right; 0 beyond the edge.
+            // Loads the next column to the right, 0 beyond the edge.
             "vctp.32 {right}",
             "vmov q3, q5",
             "vpstt\nvldrwt.u32 q1, [{columns}, #4]",

@@ -85,7 +85,7 @@ pub(crate) unsafe fn mix(from: &[u16], parts: &[SampleWeights], row: &MixedRow, 
             parts = inout(reg) parts.as_ptr() => _,
             count = in(reg) count,
             row = in(reg) row.as_ptr(),
-            // A load that widens, and a store that narrows, take only r0 to r7.
+            // The base register of a widening load or a narrowing store must be one of r0 to r7.
             inout("r0") from.as_ptr() => _,
             inout("r1") out.as_mut_ptr() => _,
             out("lr") _, out("q0") _, out("q1") _, out("q2") _, out("q3") _,

@@ -64,7 +64,7 @@ pub(crate) fn responses<const N: usize>(
 #[repr(C)]
 struct Rows {
     width: usize,
-    /// Bytes from the end of the loop over a row to the next row, of cells and of weights.
+    /// Bytes from the end of the last vector of a row to the next row, of cells and of weights.
     cells: usize,
     weights: usize,
 }
@@ -168,9 +168,9 @@ macro_rules! eight {
 }
 
 impl Rows {
-    /// [`Rows::seven`], or [`Rows::six`] if `SEVEN` is 0, for a square of errors. Rows of errors are `N` numbers apart,
-    /// rows of bytes `apart`. A row of 9 or 17 errors is one or two vectors and one more error. The last errors of all
-    /// rows are processed as a column, which fills lanes better.
+    /// Computes the sums of [`Rows::seven`], or of [`Rows::six`] if `SEVEN` is 0, for a square block of errors. Its
+    /// rows are `N` errors apart, rows of bytes are `apart` bytes apart. 9 or 17 errors in a row are one or two vectors
+    /// and a last error. The last errors of all rows are processed as a column, which fills lanes better.
     ///
     /// # Safety
     /// All these errors can be read, and the bytes under them at seven offsets. Seven sums can be written.
@@ -363,7 +363,7 @@ unsafe fn side_by_side(cells: *const i8, to: *mut i8, count: usize) {
             places = in(reg) &raw const super::CELLS,
             count = in(reg) count,
             cells = inout(reg) cells => _,
-            // A store that narrows takes only r0 to r7.
+            // The base register of a narrowing store must be one of r0 to r7.
             inout("r0") to => _,
             out("lr") _, out("q0") _, out("q1") _,
             options(nostack),

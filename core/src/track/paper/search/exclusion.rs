@@ -1,4 +1,4 @@
-//! Excludes groups of 4x4 offsets at once, by the ranges (minimum and maximum) of blocks of 4x4 pixels.
+//! Excludes whole groups of 4x4 offsets by the gray ranges (minimum and maximum) of blocks of 4x4 pixels.
 //!
 //! 1. Over the offsets of a group, template pixel t is compared with the pixels of one 4x4 block of the frame. Each of
 //!    its differences is at least d(t) = max(low - t, t - high, 0), where low..=high is the range of the block.
@@ -16,10 +16,10 @@ use crate::kernels::{Blocks, RowsOfRanges, rolled};
 use crate::similarity::{Scorer, Table};
 use core::ops::Range;
 
-/// Offsets of a group on each axis.
+/// The number of offsets of a group on each axis.
 pub(super) const SIDE: usize = 4;
 
-/// Bytes of a machine word, to which each row of ranges is aligned.
+/// The size in bytes of a word, to which each row of ranges is aligned.
 const WORD: usize = 4;
 
 pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
@@ -47,7 +47,7 @@ struct Shape {
     log2_passes: u32,
 }
 
-/// The bounding rectangle of the groups that remain to be bounded: index of the first and the last one on each axis.
+/// The rectangle around the groups that are still to be bounded: index of the first and the last one on each axis.
 #[derive(Clone, Copy)]
 struct Remaining {
     columns: [u16; 2],
@@ -122,7 +122,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         1 << self.shape.log2_passes
     }
 
-    /// The largest tile that starts at offset (`column`, `row`), or earlier so that it has 4 columns and rows.
+    /// The largest tile at offset (`column`, `row`). It starts earlier if fewer than 4 columns or rows are left there.
     pub(super) fn tile(&self, window: &Window, column: usize, row: usize) -> Tile {
         let (columns, rows) = window.size();
         let ((column, columns), (row, rows)) =
@@ -130,8 +130,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Tile { column, row, columns, rows }
     }
 
-    /// The largest number of comparisons that bound the groups of a window. Per tile: 2 for each range. Per group: the
-    /// pixels of the template, one word at the start, one word in each pass, and one word while offsets are scored.
+    /// Upper bound of the comparisons for bounding all groups of a window: 2 for each range of each tile; for each
+    /// group the template's pixels, and one word at the start, one in each pass, and one while offsets are scored.
     pub(super) fn most(window: (usize, usize), (width, height): (u16, u16)) -> u64 {
         let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
         let pixels = usize::from(width) * usize::from(height);
@@ -169,7 +169,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Some(Tile { column: tile.column + column, row: tile.row + row, columns, rows })
     }
 
-    /// The rows of ranges that a pass needs for `rest`, the remaining part of `tile`. Rows are counted within the pass.
+    /// The indices, among the rows of ranges of a pass, of the rows needed for `rest`, the remaining part of `tile`.
     pub(super) fn rows(&self, tile: &Tile, rest: &Tile, pass: usize) -> Range<usize> {
         let first = rest.row - tile.row;
         let [first, end] = [first, first + self.shape.rows_of(rest.rows)]
@@ -177,7 +177,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         first..end
     }
 
-    /// The frame's pixels for the ranges of `rest`, a part of a tile; `None` if some are outside the frame or absent.
+    /// The frame's pixels for the ranges of `rest`, a part of a tile; `None` if some are not in the frame or in memory.
     pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, rest: &Tile) -> Option<Image<'a>> {
         if cfg!(all(target_os = "none", not(smr_helium))) {
             return None; // each row finds its own pixels, which takes little time and less flash
@@ -242,8 +242,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
-    /// Lowers the bound of a group by the template rows of this pass, and sets it to 0 if it falls below `needed`,
-    /// which is at least 1. Returns an upper bound of the compared pixels.
+    /// Compares the template rows of this pass with the ranges and lowers the group's bound accordingly; sets the bound
+    /// to 0 if it falls below `needed` (at least 1). Returns an upper bound of the number of compared pixels.
     #[inline(always)]
     pub(super) fn bound_group(
         &mut self,
@@ -268,7 +268,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let is_whole = cfg!(not(smr_small)) && passes == 1; // saves a division
             let template = if is_whole { template } else { template.every(first, passes)? };
             let pixels = u32::from(template.width()) * u32::from(template.height());
-            // So far this pass's template rows counted as fully similar. The bound of their score replaces this share.
+            // So far `bound` counts this pass's rows as fully similar. The bound of their score replaces that share.
             let others = *bound - pixels * u32::from(Table::ONE);
             let score = scorer.bound(&blocks, template, needed.saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
@@ -298,7 +298,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 }
 
 impl Shape {
-    /// The largest tiles of at most `groups` groups and `capacity` bytes of ranges; `None` if no tile fits or pays.
+    /// The largest tiles of at most `groups` groups and `capacity` bytes of ranges; `None` if none fits or `pays`.
     fn of(template: (u16, u16), (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
         let (width, height) = (usize::from(template.0), usize::from(template.1));
         let mut shape = Self { width, height, columns, rows, log2_passes: 0 };
@@ -328,7 +328,7 @@ impl Shape {
         ranges <= half(capacity) && tile.groups() <= groups
     }
 
-    /// True if the ranges of a tile cost at most 1/16 of scoring its offsets: the loss if nothing can be excluded.
+    /// True if the ranges of a tile cost at most 1/16 of scoring its offsets: a small loss if they exclude none.
     fn pays(&self) -> bool {
         let ranges = 2 * self.columns_of(self.columns) * self.rows_of(self.rows);
         16 * ranges <= self.columns * self.rows * self.width * self.height
@@ -356,11 +356,11 @@ fn tile_extent(from: usize, most: usize, all: usize) -> (usize, usize) {
     (from.min(all.saturating_sub(size)), size)
 }
 
-/// True if a group with this `bound` after `done` of `passes` may still be excluded: it reaches `needed` now, but would
-/// fall below by the end if each pass lowered it by 5/4 of the mean so far. Other groups are not bounded any further,
-/// so a search that can exclude nothing stops bounding after the first pass.
+/// True if it is worth bounding a group further after `done` of `passes` passes: its `bound` still reaches `needed`,
+/// but would end below `needed` if every pass lowered it by 5/4 of the mean per pass so far. Other groups are bounded
+/// no further, so a search that can exclude nothing stops bounding after the first pass.
 fn is_promising(bound: u32, needed: u32, area: u32, done: usize, passes: usize) -> bool {
-    // In units of 32, so that 20 times a loss fits a `u32`.
+    // The loss of score, divided by 32 so that 20 times a loss fits a `u32`.
     let lost = |score: u32| (area * u32::from(Table::ONE)).saturating_sub(score) >> 5;
     #[allow(clippy::cast_possible_truncation)] // at most 4 passes
     let (taken, allowed) = (lost(bound) * 5 * passes as u32, lost(needed) * 4 * done as u32);

@@ -17,7 +17,7 @@ pub(super) struct Leaders<const SPAN: usize> {
     maxima: Maxima<SPAN>,
 }
 
-/// The second goal of a search and its progress: none, a tie with the peak outside its neighbourhood, or the runner-up.
+/// A search's second goal and its progress: none, an equal score outside the peak's neighbourhood, or the runner-up.
 #[derive(Clone, Copy)]
 enum SecondGoal {
     Nothing,
@@ -132,7 +132,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         };
     }
 
-    /// Raises the floor to the best pair of all offsets noted so far. (`note` pairs a new offset only with the peak.)
+    /// Raises the floor to the best score that two distant offsets both reach; `note` tries only pairs with the peak.
     pub(super) fn raise_floor(&mut self) {
         if let SecondGoal::RunnerUp { neighbourhood, floor } = &mut self.second_goal {
             *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);

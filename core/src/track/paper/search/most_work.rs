@@ -5,7 +5,7 @@ use super::scan::{MOST_STEPS, SAD_STEP, first_step_of};
 
 /// The sizes that determine the work of a search.
 pub(crate) struct Extent {
-    /// Offsets on each axis.
+    /// The number of offsets of the window on each axis.
     pub(crate) window: (usize, usize),
     /// Pixels of the template on each axis.
     pub(crate) template: (u16, u16),
@@ -21,7 +21,7 @@ impl Extent {
         u64::from(self.template.0) * u64::from(self.template.1)
     }
 
-    /// Columns plus rows of the window.
+    /// The number of maxima: one for each column and one for each row of the window.
     fn maxima_count(&self) -> u64 {
         wide(self.window.0) + wide(self.window.1)
     }
@@ -39,21 +39,21 @@ impl Extent {
         2 * self.pixels() + sad * (1 + 8 * u64::from(step.ilog2() + 1).min(wide(MOST_STEPS)))
     }
 
-    /// The most comparisons for the peak: each offset and each group of the window once.
+    /// Upper bound of the comparisons for the peak: scoring every offset and bounding every group of the window once.
     fn peak<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let groups = if self.pruning { Ranges::<PIXELS, SPAN>::most(self.window, self.template) } else { 0 };
         self.offsets() * self.pixels() + groups
     }
 
-    /// The most comparisons for the runner-up: nine scouts (offsets scored first), the whole window, and the maxima,
-    /// which are read at the start, at the end, and to raise the floor (at most 1/32 of the work).
+    /// Upper bound of the comparisons for the runner-up: nine scouts (offsets scored first), the whole window, and
+    /// reading the maxima: at the start, at the end, and to raise the floor (at most 1/32 of the work).
     fn runner_up<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let scouts = if self.offsets() >= 288 { 9 * self.pixels() } else { 0 };
         let all = scouts + self.peak::<PIXELS, SPAN>();
         all + if self.pruning { all / 32 } else { 0 } + 2 * self.maxima_count()
     }
 
-    /// The most comparisons of a search with or without the runner-up. `again` adds a second search for the runner-up.
+    /// Upper bound of a search's comparisons, with or without the runner-up. `again` adds a second search for it.
     pub(crate) fn most<const PIXELS: usize, const SPAN: usize>(&self, runner_up: bool, again: bool) -> u64 {
         let first = match (runner_up, self.pruning) {
             (true, true) => self.runner_up::<PIXELS, SPAN>(),
@@ -64,8 +64,8 @@ impl Extent {
         self.descent() + first + if again { self.runner_up::<PIXELS, SPAN>() } else { 0 }
     }
 
-    /// The most comparisons by which a step exceeds its grant: an offset, a group or a row of ranges, and 7 * `SPAN`
-    /// words.
+    /// Upper bound of the comparisons by which a step exceeds its grant: one offset, group or row of ranges, whichever
+    /// takes the most, plus 7 * `SPAN` words.
     pub(crate) fn most_beyond_a_step<const SPAN: usize>(&self) -> u32 {
         let row = 2 * (wide(self.window.0) + u64::from(self.template.0)).saturating_sub(wide(SIDE));
         let most = self.pixels().max(row) + 7 * wide(SPAN);

@@ -1,4 +1,4 @@
-//! The state of a search (progress, budget), and the operations of all stages: scoring an offset, raising the floor.
+//! The state of a search (progress, budget), and operations that stages share: scoring an offset, raising the floor.
 
 use super::exclusion::{Ranges, Tile};
 use super::floor::Leaders;
@@ -145,7 +145,7 @@ pub(super) fn area(scene: &Scene<'_>) -> u32 {
     u32::from(scene.template.width()) * u32::from(scene.template.height())
 }
 
-/// One maximum per column and one per row of the window.
+/// The number of maxima: one for each column and one for each row of the window.
 pub(super) fn maxima_count(scene: &Scene<'_>) -> u32 {
     let (columns, rows) = scene.window.size();
     words(columns + rows)

@@ -66,8 +66,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = Stage::Scouts;
     }
 
-    /// Scores a scout, one of nine offsets: corners, middles of the edges, centre. Two scouts far enough apart set a
-    /// floor for the runner-up. Only in windows of at least 288 offsets, where nine offsets are at most 1/32.
+    /// Scores the next of nine scouts: corners, middles of the edges and centre of the window. Two scouts far enough
+    /// apart set a floor for the runner-up. Only in windows of 288 offsets or more, of which nine are at most 1/32.
     fn scout(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
         let number = self.place.next;
@@ -107,7 +107,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Compares the next neighbour; after the last, moves to the best and halves the step. Scores the offset at step 0.
+    /// Compares the SAD of the next neighbour. After the last neighbour, moves to the position of the least SAD and
+    /// halves the step. When the step is 0, scores the position instead.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn descend(&mut self, scene: &Scene<'_>) {
         let Descent { x, y, best, best_sad, step } = self.descent;
@@ -137,7 +138,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// The SAD of every fourth row; may stop beyond `enough`. `None` if the box is not wholly inside the frame.
+    /// The SAD of every fourth row; may stop once it exceeds `enough`. `None` unless the box is wholly in the frame.
     #[cfg_attr(smr_small, inline(never))]
     fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
         let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
@@ -146,8 +147,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. A step costs as much as 2 offsets (8 SADs of every fourth
-/// row). All steps together cost at most 1/64 of the window.
+/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. The 8 SADs of a step (of every fourth row) cost as much as
+/// scoring 2 offsets, and the SADs of all steps at most 1/64 of scoring the window.
 fn first_step(window: &Window) -> u8 {
     first_step_of(window.size())
 }
@@ -162,7 +163,7 @@ pub(super) fn first_step_of((columns, rows): (usize, usize)) -> u8 {
 /// The row step of a SAD: it reads every fourth row.
 pub(super) const SAD_STEP: u16 = 4;
 
-/// The largest number of steps of a descent: 15 pixels in all. Farther away, excluding by ranges is faster.
+/// The largest number of steps of a descent, which reaches 15 pixels. Farther away, exclusion by ranges is faster.
 pub(super) const MOST_STEPS: usize = 4;
 
 /// Element `number` of (-`step`, 0, `step`).

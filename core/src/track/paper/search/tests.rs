@@ -137,9 +137,9 @@ impl Case {
     fn most_work(&self) -> u64 {
         let (columns, rows) = self.window.size();
         let (offsets, pixels) = ((columns * rows) as u64, u64::from(self.template.0) * u64::from(self.template.1));
-        // 9/8: all offsets, plus 1/16 for ranges and 1/32 each for descent and scouts. Then the groups and the start.
+        // Scoring all offsets, plus 1/16 for ranges, 1/32 each for descent and scouts. Then all groups, 3 more scores.
         let groups = (columns.div_ceil(4) * rows.div_ceil(4)) as u64;
-        // Words of working memory: the maxima twice, and each group in each pass.
+        // Words of working memory that are read: each maximum twice, each group at most 8 times.
         let words = 2 * (columns + rows) as u64 + 8 * groups;
         offsets * pixels * 9 / 8 + (groups + 3) * (pixels + 4) + words
     }

@@ -102,7 +102,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 (self.place.next, self.place.offset) = (group, 0);
             }
             let new = self.tile.first_unshared(group);
-            // Raises the floor at the first remaining group of a row, for at most 1/32 of the work since the last time.
+            // Raises the floor at a row's first remaining group, if it costs at most 1/32 of the work since last time.
             let is_first = self.place.offset == 0 && (from == 0 || new.1 != self.tile.first_unshared(from - 1).1);
             if is_first && self.since_floor.wrapping_add(self.work) / 32 >= maxima_count(scene) {
                 self.raise_floor(scene);
@@ -175,9 +175,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// The offsets of `wanted` (a bit mask of four, from (`x`, `y`) to the right) that may score `needed`. Template pixels
-/// inside the frame at all four offsets are bounded, pixels outside at all four are compared with the padding, and
-/// other pixels count as fully similar. `None` if no offset can be excluded.
+/// The offsets of `wanted` (a bit mask of four, from (`x`, `y`) to the right) that may score `needed`, by upper bounds:
+/// template pixels inside the frame at all four offsets by `Scorer::candidates`, pixels outside at all four by their
+/// score on the padding, all others as fully similar. `None` if no offset can be excluded.
 fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
     let Scene { frame, template, scorer, .. } = scene;
     let four = Rect::new(x, y, template.width().saturating_add(3), template.height());
@@ -195,5 +195,4 @@ fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) ->
     Some(scorer.candidates(frame.patch(seen)?, template.crop(at_all)?, needed, wanted))
 }
 
-/// The number of offsets in a group.
 const OFFSETS: u8 = 16;

@@ -93,8 +93,8 @@ impl Window {
         (most(radius.x, bounds.width, target.width), most(radius.y, bounds.height, target.height))
     }
 
-    /// The pixels of the frame that a box of `width` x `height` covers at the positions of the window. Never empty: if
-    /// no position reaches the frame on an axis, it is the row or column at the frame's edge.
+    /// The pixels of the frame that a box of `width` x `height` covers at the positions of the window. Never empty: on
+    /// an axis where no position reaches the frame, the row or column at the frame's edge is taken.
     pub(crate) fn pixels(&self, width: u16, height: u16, bounds: Rect) -> Rect {
         let (x, width) = pixels(self.left, self.right, width, bounds.width);
         let (y, height) = pixels(self.top, self.bottom, height, bounds.height);
@@ -140,7 +140,7 @@ impl Peak {
 pub(crate) enum Wanted {
     /// The peak alone.
     Peak,
-    /// The peak, and whether an offset outside its neighbourhood has the same score, at little more cost.
+    /// The peak, and whether an offset outside its neighbourhood has the same score. Takes little longer than `Peak`.
     Equals(u16),
     /// The peak and the runner-up.
     RunnerUp(u16),
@@ -157,7 +157,7 @@ pub struct Peaks {
     pub runner_up: Option<u32>,
 }
 
-/// (first, count) of the frame's pixels that the box covers on an axis; at least one pixel.
+/// (first, count) of the frame's pixels that a box at the positions `first..=last` covers on an axis; at least one.
 #[cfg_attr(smr_small, inline(never))]
 fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     let frame = i32::from(frame);

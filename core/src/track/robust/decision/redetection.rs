@@ -22,7 +22,7 @@ impl Sweep {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// The middle of the next window, and true if this ends a row. Middles are at most `side` / 4096 pixels apart.
+    /// The next window's middle, and true if the window ends a row. Middles are at most `side` / 4096 pixels apart.
     pub(crate) fn middle(self, side: u32, bounds: Rect) -> ((i64, i64), bool) {
         let (columns, rows) = (count(bounds.width, side), count(bounds.height, side));
         let number = self.next % (columns * rows).max(1);
@@ -31,8 +31,8 @@ impl Sweep {
     }
 }
 
-/// The number of windows on an axis. The grid's step is at least 409 / 4096 pixel, so `side` is at least 13,088, and
-/// the product of the counts on both axes is below 2^32.
+/// The number of windows on an axis. `side` is at least 13,088: two times 4 cells of 4 samples, which are at least
+/// 409/4096 pixel apart. So the product of the counts on both axes is below 2^32.
 fn count(size: u16, side: u32) -> u32 {
     (u32::from(size) << PIXEL_BITS).div_ceil(side.max(1)).max(1)
 }

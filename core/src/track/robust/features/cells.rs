@@ -88,7 +88,7 @@ impl Extractor {
         &mut self.sampling
     }
 
-    /// Begins the features of a window. `lattice` has a border of one sample. False if they do not fit in `out`.
+    /// Begins the features of a window. False if `out` is too small for them. `lattice` has a border of one sample.
     #[inline(never)]
     pub(crate) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.begin_rows(bounds, lattice);
@@ -136,7 +136,7 @@ impl Extractor {
                 sampler.row(number, line);
             }
             gradients(lines, computed, below, across);
-            // The next row of cells starts with the last two lines of this row. Assigning arrays would use the stack.
+            // Copies the last two lines, which begin the next row of cells. Assigning the arrays would use the stack.
             let [first, second, _, _, fifth, sixth] = &mut *lines;
             for (to, from) in [(first, fifth), (second, sixth)] {
                 let columns = (across * usize::from(CELL) + 2).min(COLUMNS);

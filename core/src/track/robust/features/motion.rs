@@ -71,7 +71,7 @@ impl Motion {
         self.place = place;
     }
 
-    /// Moves the place with the picture when the camera turns, in units of 1/256 pixel. The target's velocity stays.
+    /// Moves the place by `right` / 256 and `down` / 256 pixels, when the camera turns. The target's velocity stays.
     pub(crate) fn shift(&mut self, right: i32, down: i32, bounds: Rect) {
         let Place { x, y, scale } = self.place;
         self.place = Place { x: x + (i64::from(right) << 4), y: y + (i64::from(down) << 4), scale }.inside(bounds);

@@ -26,7 +26,7 @@ pub(crate) const SAMPLED: u32 = 32;
 /// The largest number of frame pixels, or of blocks of pixels, under a row of the largest lattice.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// Upper bound of the frame pixels that a lattice reads: four of each block; steps are shorter than two blocks.
+/// Upper bound of the frame pixels that a lattice reads: four of each block, if samples are less than two blocks apart.
 pub(crate) const fn most_read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
@@ -56,7 +56,7 @@ impl Axis {
     #[inline(never)]
     fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
         let first = centre - (i64::from(count) - 1) * step / 2;
-        // The middle of the first block, which is between the two pixels that are read of it.
+        // The middle of the first block, halfway between the two of its columns (or rows) that are read.
         let middle = pair(halvings).map(i64::from).iter().sum::<i64>() * PIXEL / 2;
         let blocks = i32::from((size >> halvings).max(1));
         let small = |number: i64| i32::try_from(number >> halvings).unwrap_or(0);
@@ -182,10 +182,10 @@ pub(crate) struct Sampling {
     /// Index of the next row of the lattice, and the number of rows.
     next: u16,
     rows: u16,
-    /// Pixels read from the frame and samples computed, since their work was last counted.
+    /// Counts since the last `take_work`: pixels read from the frame, and samples computed.
     read: u32,
     sampled: u32,
-    /// Sums of blocks while a row of means is computed; then the row that is interpolated from two rows.
+    /// Scratch memory: first the sums of blocks for a row of `means`, then the interpolation between two rows.
     mixed: MixedRow,
 }
 
@@ -247,7 +247,7 @@ pub(super) struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    /// Samples row `number` of the lattice. Each row is sampled once, from the top, because only two rows are kept.
+    /// Samples row `number` of the lattice: each row once, from the top, because only two rows of means are kept.
     #[inline(never)]
     pub(crate) fn row(&mut self, number: u16, out: &mut [u8]) {
         let (upper, lower, fraction) = self.sampling.down.at(number);
@@ -258,12 +258,12 @@ impl Sampler<'_> {
         self.make(lower);
         let Self { pixels, sampling: Sampling { columns, means, mixed, halvings, sampled, .. } } = self;
         mix(row(*pixels, means, *halvings, upper), row(*pixels, means, *halvings, lower), fraction, mixed);
-        // The last block has no next one, but the fraction there is 0.
+        // A sample at the last block has no next block, but the next block's weight is 0 there.
         columns.mix(mixed, out);
         *sampled += u32::try_from(columns.count()).unwrap_or(0);
     }
 
-    /// Computes the means of a row of blocks, unless `means` has them.
+    /// Computes the means of block row `block`, unless `means` contains them.
     #[inline(never)]
     fn make(&mut self, block: u16) {
         let Self { pixels, sampling: Sampling { means: [even, odd], rows_in_means, read, mixed, halvings, .. } } = self;
@@ -273,7 +273,7 @@ impl Sampler<'_> {
             return;
         }
         *row_in_means = Some(block);
-        // Reads at most 4 * ROW pixels, at most twice for each row of the lattice.
+        // Reads at most 4 * ROW pixels for a row of blocks, and at most two rows of blocks for each row of the lattice.
         *read += if *halvings == 0 {
             pixels.width().into()
         } else {
@@ -282,7 +282,7 @@ impl Sampler<'_> {
     }
 }
 
-/// Interpolates two rows: upper * (256 - fraction) + lower * fraction - `BIAS`. Before the bias at most 255 * 256.
+/// Interpolates two rows: upper * (256 - fraction) + lower * fraction, which is at most 255 * 256, less `BIAS`.
 #[cfg(not(any(smr_helium, smr_swar)))]
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     // Computes two 16-bit values at a time. Subtracting 2^15 inverts the highest bit.
@@ -305,7 +305,7 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// Interpolates two rows in a plain loop: vectorized by eight for Helium, and the fastest without fast word access.
+/// Interpolates two rows in a plain loop: vectorized by eight for Helium; elsewhere fastest, as word access is slow.
 #[cfg(any(smr_helium, smr_swar))]
 #[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
@@ -327,7 +327,7 @@ fn pair(halvings: u32) -> [u16; 2] {
     [side >> 2, (side >> 2) + (side >> 1)]
 }
 
-/// Computes the means of a row of blocks from pixel row `first` on. Returns the pixels read. `sums` is scratch memory.
+/// Computes the block means from pixel row `first` on. Returns the count of pixels read. `sums` is scratch memory.
 #[inline(never)]
 fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
     let blocks = pixels.width().div_ceil(1 << halvings);

@@ -50,7 +50,7 @@ pub(super) fn add_gradient<const S: usize>(
     piece + 1 >= products.gather_pieces(layout, gradient.len())
 }
 
-/// The largest coded value: a sum of 2000 products with features of 8 bits stays below 2^31.
+/// The largest coded value, so that a sum of 2000 products with features of 8 bits stays below 2^31.
 pub(crate) const LARGEST: u32 = 8191;
 
 /// Up to `N` 16-bit integers with a common exponent (block floating point): each value is number * 2^`shift`.
@@ -78,7 +78,7 @@ impl<const N: usize> Coded<N> {
     #[inline(never)]
     #[allow(clippy::cast_possible_truncation)] // at most 2047 + 3/4 * 8191, a coded value
     pub(super) fn set_direction(&mut self, sums: &[i32], unit: u32, beta: i64) {
-        // The largest beta, 3/4, in units of 1/65536. Beta is converted to the units of the old and the new direction.
+        // The largest beta, 3/4, in units of 1/65536. The shift also adapts beta to the units of both directions.
         const MOST: i32 = 3 << 14;
         let beta = beta >> (9 + self.shift).saturating_sub(unit);
         let beta = i32::try_from(beta).unwrap_or(MOST).min(MOST);
@@ -102,10 +102,10 @@ impl<const N: usize> Coded<N> {
         piece + 1 >= products.pieces(layout, self.numbers.len())
     }
 
-    /// Converts the sums of `respond` to responses in units of 1/16384: times 2^(`shift` - 16), within +-2^24.
+    /// Multiplies the sums of `respond` by 2^(`shift` - 16) and clamps them to +-2^24: responses in units of 1/16384.
     #[inline(never)]
     pub(crate) fn to_responses<const S: usize>(&self, sums: &mut [[i32; S]]) {
-        // One of these shifts is 0.
+        // At least one of the shifts `left` and `right` is 0.
         let (left, right) = (self.shift.saturating_sub(16), 16_u32.saturating_sub(self.shift));
         // Clamps before the left shift, which then loses no bit.
         let most = (1 << 24) >> left;

@@ -1,5 +1,5 @@
 //! Gaussians: the label, which is the wanted response around the target, and the mask that weights the filter's cells
-//! in learning. In two dimensions, a Gaussian is the product of those on both axes. Unit of distances: 1/256 cell.
+//! in learning. Each is a product of two Gaussians, one on each axis. Distances are in units of 1/256 cell.
 //!
 //! ```text
 //! exp(-(d / sigma)^2 / 2) in units of 1/16384, from the table of exp(-x / 255), x = 255 / 2 * (d / sigma)^2
@@ -10,7 +10,7 @@ use super::super::features::Grid;
 use crate::kernels::rolled;
 use crate::similarity::PAPER;
 
-/// The factor exp(-256 / 255), which continues the table beyond its 256 entries, in units of 1/65536.
+/// The factor exp(-256 / 255) for each 256 beyond the 256 entries of the table exp(-x / 255), in units of 1/65536.
 const LOWER: u32 = 24_015;
 
 #[derive(Clone, Copy)]

@@ -45,7 +45,7 @@ pub(crate) const fn most_of_a_lock(extent: Extent) -> u32 {
     without_responses(extent) + response::most_work(extent)
 }
 
-/// Upper bound of the work for an update's step, which computes fewer responses to the direction than a lock's.
+/// Upper bound of the work for an update's step, where the direction's responses reach only 5/8 of the search radius.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     without_responses(extent) + response::most_work(Extent { reach: 5 * extent.reach / 8, ..extent })
 }
@@ -73,7 +73,7 @@ pub(crate) struct Training<'a> {
 pub(crate) struct Sums {
     /// The gradient, in the unit of the coded errors. While responses are computed, scratch memory.
     pub(crate) per_weight: [i32; WEIGHTS],
-    /// The errors before coding, in units of 1/16384. Later scratch memory, then the responses to the direction.
+    /// First: errors before coding, in units of 1/16384. Second: scratch memory. Third: responses to the direction.
     pub(super) per_offset: [[i32; SPAN]; SPAN],
     /// Errors of the responses, in units of 2^`error_shift` / 16384.
     coded_errors: [[i16; SPAN]; SPAN],
@@ -116,7 +116,7 @@ impl Sums {
         descent_before: i64,
         direction: &mut Coded<WEIGHTS>,
     ) -> i64 {
-        // Clears scratch data of the gradient. The step length sums over all offsets, even those without a response.
+        // Clears the gradient's scratch data, because the step length sums over all offsets, even without a response.
         self.per_offset.as_flattened_mut().fill(0);
         let weights = training.filter.weights();
         let sums = self.per_weight.get_mut(..weights.len()).unwrap_or_default();
@@ -239,7 +239,7 @@ pub(crate) struct Learning {
 enum Phase {
     /// Computes the errors of the responses.
     Errors,
-    /// Sums the gradient. `piece` is the index of the next part.
+    /// Sums the gradient. `piece` is the index of the next piece of work.
     Gradient { piece: usize, error_shift: u32 },
     /// Computes the direction from the gradient.
     Direction { error_shift: u32 },
@@ -257,7 +257,7 @@ impl Learning {
         Self { locks: true, ..Self::begin((0, 0), WHOLE_STEP) }
     }
 
-    /// Computes a piece of a step. The last completes `direction`, returns the step length and begins the next step.
+    /// Computes a piece of a step. The last piece completes `direction`, begins the next step, returns the step length.
     pub(crate) fn next_piece(
         &mut self,
         training: &Training<'_>,

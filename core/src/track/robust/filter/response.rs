@@ -24,7 +24,7 @@ use crate::track::update::{Budget, units};
 
 pub(crate) struct Responses {
     pub(crate) rows: [[i32; SPAN]; SPAN],
-    /// Offsets on each axis of the search.
+    /// The count of offsets on each axis of the search.
     pub(crate) span: usize,
 }
 
@@ -40,7 +40,7 @@ pub(crate) const fn most_work_of_a_piece(extent: Extent) -> u32 {
     2 * extent.span() * extent.weights()
 }
 
-/// The largest response, penalised or not, and its place.
+/// The largest response, after penalties if `peak` applies them, and its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Peak {
     /// Offset from the middle of the window, in units of 1/256 cell.
@@ -48,7 +48,7 @@ pub(crate) struct Peak {
     pub(crate) y: i32,
     /// The response at the offset of the peak, in units of 1/16384.
     pub(crate) response: i32,
-    /// The response interpolated at the refined place, in units of 1/16384.
+    /// The response at (`x`, `y`), interpolated by a parabola on each axis, in units of 1/16384.
     pub(crate) height: i32,
 }
 
@@ -104,7 +104,7 @@ pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let mut response = responses.at(x, y).unwrap_or(i32::MIN);
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
-            // Computes no penalty for lower responses, because a penalty never raises a response.
+            // Skips the penalty if a response is no maximum without it, because a penalty never raises a response.
             let counted = if candidate > response { responses.with_penalty(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);
@@ -163,7 +163,7 @@ fn top(before: i32, at: i32, after: i32) -> (i32, i32) {
         return (0, 0);
     }
     let (difference, curvature) = (i64::from(before - after), i64::from(curvature));
-    // The difference is below 2^25, its square below 2^50.
+    // `difference` is at most 2^25, and its square at most 2^50.
     let top = quotient(difference * 128, curvature).clamp(-128, 128);
     let higher = quotient(difference.pow(2), -8 * curvature);
     (i32::try_from(top).unwrap_or(0), i32::try_from(higher).unwrap_or(0))

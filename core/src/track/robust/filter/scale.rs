@@ -118,13 +118,12 @@ pub(crate) fn other_scales(scale: u32) -> [u32; 2] {
         .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
 }
 
-/// The scale after a growth of `growth` / 65536, clamped to the least and the most scale.
+/// The scale after a growth of `growth` / 65536, clamped to the smallest and the largest scale.
 pub(crate) fn grown(scale: u32, growth: i32) -> u32 {
     let grown = i64::from(scale) + ((i64::from(scale) * i64::from(growth)) >> 16);
     u32::try_from(grown).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE)
 }
 
-/// True if the scale is within the bounds for a target.
 pub(crate) fn is_possible(scale: u32) -> bool {
     (LEAST_SCALE..=MOST_SCALE).contains(&scale)
 }

@@ -19,7 +19,7 @@ const LEAST_FACTOR: i32 = ONE / 2;
 const MOST_FACTOR: i32 = 2 * ONE;
 /// The largest shift of the centre, in units of 1/4096 of the box's side: half a side.
 const MOST_SHIFT: i32 = 1 << 11;
-/// The largest estimate, in units of 1/4096; larger ones are clamped to it: 1.
+/// The largest magnitude of an estimate, in units of 1/4096: 1. Larger estimates are clamped to it.
 const MOST_ESTIMATE: i32 = 1 << 12;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +39,7 @@ impl Correction {
             *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-MOST_SHIFT, MOST_SHIFT);
         }
         for (side, new) in self.sides.iter_mut().zip([width, height]) {
-            // The product is at most 2^17 * 2^12.
+            // The product of side and estimate is at most 2^17 * 2^12.
             let grown = *side + ((*side * bounded(new)) >> 14);
             *side = (ONE + (((grown - ONE) * 15) >> 4)).clamp(LEAST_FACTOR, MOST_FACTOR);
         }

@@ -65,7 +65,7 @@ pub(crate) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
 fn range(middle: i64, reach: i64, size: u16) -> (i32, u16) {
     let last = i64::from(size.max(1)) - 1;
     let at = |place: i64| i32::try_from((place >> 12).clamp(0, last)).unwrap_or(0);
-    // A box beyond the edge reads the blocks at the edge.
+    // The crop of a box beyond the frame's edge reads the blocks at the edge.
     let middle = middle.clamp(0, last << 12);
     let (from, to) = (at(middle - reach), at(middle + reach));
     (from, u16::try_from(to - from + 1).unwrap_or(u16::MAX))
@@ -157,7 +157,7 @@ impl First {
 pub(crate) struct FirstCrop(Crop);
 
 impl FirstCrop {
-    /// Begins the crop of the box `target` in `bytes`.
+    /// Begins to sample the crop of the box `target` into `bytes`.
     pub(crate) fn begin<const N: usize>(
         target: FineRect,
         bounds: Rect,

@@ -61,7 +61,7 @@ const fn split() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
     (biases, weights)
 }
 
-/// Two counts for each layer: inputs of one output, padded to a multiple of 4, and outputs (channels of a convolution).
+/// The counts of each layer. First: inputs of one output, padded to a multiple of 4; second: outputs (or channels).
 const LAYERS: [(usize, usize); 6] = [(20, 8), (72, 16), (144, 24), (216, 24), (384, 24), (24, 6)];
 
 /// The shape of a convolution 3x3. Its inputs have a border of one pixel.
@@ -80,7 +80,7 @@ const CONVOLUTIONS: [Convolution; 4] = [
     Convolution { side: 8, step: 1, channels: 16, shift: 7 },
     Convolution { side: 4, step: 2, channels: 24, shift: 7 },
 ];
-/// The shift of the first fully connected layer.
+/// The right shift of the sums of the first fully connected layer.
 const FULL_SHIFT: u32 = 8;
 
 impl Convolution {
@@ -190,7 +190,7 @@ impl Layers {
         None
     }
 
-    /// The index of the row's first output and the number of outputs, which have a border if a convolution reads them.
+    /// The index of the row's first output, and the row's count of outputs. Inputs of a convolution have a border.
     fn place(&self, side: usize, channels: usize) -> (usize, usize) {
         let border = usize::from(self.number + 1 < CONVOLUTIONS.len());
         (((self.row + border) * (side + 2 * border) + border) * channels, side * channels)
@@ -215,7 +215,7 @@ fn gather(of: Convolution, length: usize, row: usize, inputs: &[i8], patches: &m
             let from = inputs.get(from..).unwrap_or_default();
             #[cfg(smr_helium)]
             copy(from, patch);
-            // Copies in words if all channels of a pixel are whole words.
+            // Copies eight bytes at a time if the count of channels is a multiple of 8, else two.
             #[cfg(not(smr_helium))]
             if of.channels.is_multiple_of(8) { copy::<8>(from, patch) } else { copy::<2>(from, patch) }
         }

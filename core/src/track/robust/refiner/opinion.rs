@@ -17,13 +17,13 @@ use super::network::Outputs;
 use crate::track::State;
 use crate::track::saved::{Reader, Writer};
 
-/// The largest trust and opinion, in units of 1/4096: 3.
+/// The maximum of trust and of its running mean, the opinion, in units of 1/4096: 3.
 const MOST: i32 = 3 << 12;
 /// The opinion below which the target is *uncertain*, in units of 1/4096: 1.19, for expected errors of 0.12 sides.
 const UNCERTAIN_BELOW: i32 = 4864;
 /// The opinion below which the target is *lost*, in units of 1/4096: 0.8, for expected errors of 0.15 sides. Of 95
-/// targets covered by noise, 67 are *lost* within 30 frames. With 2868, 55 are *lost*, and the fraction R of right
-/// frames changes by +0.0008 +- 0.0006; with 3686, 80 are *lost*, and R changes by -0.0020 +- 0.0011.
+/// targets covered by noise, 67 are *lost* within 30 frames. A threshold of 2868 makes 55 *lost*, and changes the
+/// fraction R of right frames by +0.0008 +- 0.0006; one of 3686 makes 80 *lost*, and changes R by -0.0020 +- 0.0011.
 const LOST_BELOW: i32 = 3277;
 /// Updates in a row with an opinion below `UNCERTAIN_BELOW` after which the target is given up.
 const PATIENCE: i32 = 30;
@@ -50,7 +50,7 @@ impl Opinion {
 
     fn move_toward(&mut self, trust: i32) {
         let (mut mean, doubted) = (self.mean(), self.0 >> 16);
-        // The opinion rises half as fast for a target that was doubted or found again.
+        // Below `UNCERTAIN_BELOW`, the opinion rises half as fast: the target was doubted or found again.
         mean += (trust - mean) >> if mean < UNCERTAIN_BELOW.min(trust) { 4 } else { 3 };
         self.0 = if mean < UNCERTAIN_BELOW { mean | PATIENCE.min(doubted + 1) << 16 } else { mean };
     }
@@ -92,7 +92,7 @@ impl Opinion {
 mod tests {
     use super::*;
 
-    /// The logarithms of the spreads are outputs of the network, sums below 2^28.
+    /// The logarithms of the spreads (expected errors) are outputs of the network: sums below 2^28.
     #[test]
     fn the_same_spreads_again_and_again_stay_within_bounds() {
         const LARGEST: i32 = 1 << 28;

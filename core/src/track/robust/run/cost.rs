@@ -60,7 +60,7 @@ impl Config {
         let mut most = MostWork { update: 0, lock: 0, beyond_a_step: 0 };
         let mut across = 1;
         while across <= MOST_SIDE as u32 {
-            // The most rows for this width, because more rows are more work.
+            // The largest count of rows for a filter of this width, because more rows are more work.
             let down = MOST_CELLS as u32 / across;
             let down = if down < MOST_SIDE as u32 { down } else { MOST_SIDE as u32 };
             let extent = Extent { across, down, reach: self.reach as u32 };
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
     use std::{format, string::String};
 
-    /// Checks the figures of the drawing in `robust/mod.rs`, which are those of the filter with the largest sum.
+    /// Checks the figures of the drawing in `robust/mod.rs`: the work with the filter that takes the most work.
     #[test]
     fn the_drawing_has_the_work_of_each_stage() {
         let config = Config::robust();

@@ -197,7 +197,7 @@ impl Pipeline {
         }
     }
 
-    /// Sets the candidate's scale, and decides the state: place and scale are final.
+    /// Sets the candidate's scale. Then decides the state, because place and scale are now final.
     #[inline(never)] // see `next_piece`
     fn scaled(&mut self, inputs: &Inputs<'_>, scale: u32, buffers: &mut Buffers) {
         self.candidate.place.scale = scale;

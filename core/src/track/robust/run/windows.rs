@@ -39,7 +39,7 @@ pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
     pixels
 }
 
-/// The pixels that redetection may read in the next update. `None` if that update cannot lose the target.
+/// The pixels that redetection may read in the next update. `None` if that update cannot redetect the target.
 #[inline(never)]
 pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
     if !track.confidence.may_be_lost_next(config) && !track.is_given_up(config) {
@@ -73,7 +73,7 @@ fn pixels(track: &Track, place: &Place, reach: u16) -> Rect {
     Lattice::search_window(place, &track.grid, reach).pixels(track.bounds)
 }
 
-/// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`. They have
+/// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`. Includes
 /// a margin: the peak may lie between cells, alignment moves by up to `MARGIN` pixels, refinement by one, and the scale
 /// may grow by a step.
 fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
@@ -83,7 +83,6 @@ fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
     reachable(track.corrected(Place { scale: larger, ..centre }), by, track.bounds)
 }
 
-/// The smallest rectangle that contains both rectangles.
 #[inline(never)]
 fn union(a: Rect, b: Rect) -> Rect {
     let (left, top) = (a.x.min(b.x), a.y.min(b.y));

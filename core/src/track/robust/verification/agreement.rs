@@ -80,8 +80,8 @@ impl Candidate {
     }
 }
 
-/// The state of the comparison. After verification, it holds the view, and the template and the table as adapted to the
-/// light at the best alignment.
+/// The state of the comparison. After verification, `view` holds the samples, and `relit` and `table` hold the template
+/// and the similarities, adapted to the light at the best alignment.
 #[repr(C)] // the order of fields matters: see `run/buffers.rs`
 pub(crate) struct Comparison {
     table: CutTable,

@@ -14,7 +14,7 @@ pub(super) struct Alignments {
     /// The alignment with the highest score so far.
     pub(crate) best: Alignment,
     score: u32,
-    /// The centre of the present round: nine coarse alignments, then eight neighbours of the best one.
+    /// The centre of the alignments to compare: first nine coarse ones, then the eight neighbours of the best.
     middle: Alignment,
 }
 
@@ -27,7 +27,7 @@ impl Alignments {
     #[inline(never)]
     pub(crate) fn alignment(&self, index: u16) -> Alignment {
         let (index, step) = if index < 9 { (index, COARSE_STEP) } else { (index - 8, 1) };
-        // Index 0 is the middle: the fifth of nine, row by row.
+        // Index 0 is the middle, which is the fifth of nine alignments in row order.
         let ninth = match index {
             0 => 4,
             1..=4 => index - 1,

@@ -80,8 +80,8 @@ pub(crate) fn window_contrast(cells: &[i8]) -> u32 {
     (16 * grays().map(|gray| gray.abs_diff(mean)).sum::<u32>() / count).max(LEAST_WINDOW)
 }
 
-/// The threshold alpha: the patch's deviation, or the template's times `gain` if that is lower. With the patch's alone,
-/// noise would match a template that has little contrast in the present light.
+/// The threshold alpha: the patch's deviation or, if lower, the template's times `gain`. With the patch's deviation
+/// alone, noise would match a template that has little contrast in the present light.
 pub(crate) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
     // The product is at most 2^13 * 2^18, below 2^32.
     let deviation = patch.deviation.min((gain * template.deviation) >> 8);

@@ -22,7 +22,7 @@ use super::alignment::Alignment;
 use crate::image::Image;
 use crate::kernels::rolled;
 
-/// Units of work for each pixel of the template.
+/// Units of work for each pixel of the template in refinement.
 pub(crate) const REFINED: u32 = 40;
 /// The largest number of bits of a sum of squares when the normal equations are solved.
 const BITS_OF_SUMS: u32 = 12;
@@ -55,9 +55,9 @@ pub(crate) fn refine(
 /// `(right * u + down * v) / 64`: at most 510 (columns + rows) / 64 < 1130.
 #[derive(Clone, Copy, Default)]
 struct NormalEquations {
-    /// Sums of squared slopes to the right, down and outward: the diagonal of S.
+    /// Sums of squared slopes to the right, down and outward: the diagonal of the matrix S.
     squares: [i32; 3],
-    /// Sums of slopes right times down, right times outward, down times outward: S off its diagonal.
+    /// Sums of slopes right times down, right times outward, down times outward: the other elements of the matrix S.
     products: [i32; 3],
     /// Sums of slopes times differences of the pixels `seen` and relit.
     errors: [i32; 3],
@@ -98,7 +98,7 @@ impl NormalEquations {
         add(errors, [across * error, down * error, outward * error]);
     }
 
-    /// Solves for the step (x, y, growth) by Cramer's rule: -(minors of S + D) * errors / determinant.
+    /// Solves (S + D) * (x, y, growth) = -`errors` by Cramer's rule. S is `squares` and `products`, D the damping.
     ///
     /// All sums are shifted until the largest square is below 2^12, so the minors are at most 2^25. The sum of squared
     /// differences is below 2^24, so by the Cauchy-Schwarz inequality 256 times a sum in `errors` is at most 2^26. Sums
@@ -111,7 +111,7 @@ impl NormalEquations {
         // x: across, y: down, g: outward. The matrix and its minors are symmetric.
         let [xx, yy, gg] = squares.map(|square| i32::try_from(square >> shift).unwrap_or(0) + 1);
         let [xy, xg, yg] = self.products.map(|product| toward_zero(product, shift));
-        // Times 256, because a move is in units of 1/64 pixel, and slopes are stored four times as steep.
+        // Multiplies `errors` by 256: a move is in units of 1/64 pixel, and slopes are stored four times as steep.
         let errors = self.errors.map(|error| toward_zero(error, shift - 8));
         let (minor_xx, minor_yy, minor_gg) = (yy * gg - yg * yg, xx * gg - xg * xg, xx * yy - xy * xy);
         let (minor_xy, minor_xg, minor_yg) = (xg * yg - xy * gg, xy * yg - xg * yy, xy * xg - yg * xx);

@@ -1,5 +1,5 @@
 /* Stands in for Zephyr's video interface: a camera that sends the square of square.h as YUYV, and stops after LOOPS pictures. Checks the
- * type of queued buffers, and writes only to those. */
+ * type of each queued buffer, and writes pictures only into queued buffers. */
 #pragma once
 #include <errno.h>
 #include <stddef.h>
