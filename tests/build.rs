@@ -1,7 +1,6 @@
 //! Extracts the Rust examples from the READMEs, so that `tests/readme.rs` compiles and runs them unchanged.
 //!
-//! The examples of a README become the files `FOLDER-1.rs`, `FOLDER-2.rs` and so on. An example without `fn` becomes a
-//! block, and the test around it defines the names that it uses.
+//! A README's examples become `FOLDER-1.rs`, `FOLDER-2.rs` ... One without `fn` is a block in a test with its names.
 
 use std::path::Path;
 use std::{env, fs};
@@ -25,7 +24,6 @@ fn examples(text: &str) -> Vec<String> {
     text.split("\n```rust").skip(1).filter_map(inside).collect()
 }
 
-/// Returns the block's lines without the first.
 fn inside(block: &str) -> Option<String> {
     let (_, block) = block.split_once('\n')?;
     Some(block.split_once("```")?.0.to_owned())

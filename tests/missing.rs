@@ -13,8 +13,7 @@ pub fn skipped(test: &str, why: impl Display) {
     let _ = std::io::stderr().write_all(std::format!("skipped: {test}: {why}\n").as_bytes());
 }
 
-/// Returns true if `program` runs with `arguments`, which request its version. Otherwise prints that the test is
-/// skipped.
+/// Returns true if `program` runs with `arguments`, which ask its version. Otherwise prints that the test is skipped.
 pub fn has(test: &str, program: &str, arguments: &[&str]) -> bool {
     let runs = runs(Command::new(program).args(arguments));
     if !runs {

@@ -17,8 +17,7 @@ fn main() -> io::Result<()> {
     )
 }
 
-/// Returns Rust source for a slice of (name, text): the module `first` and all modules that it imports, directly or
-/// not.
+/// Returns Rust source for a slice of (name, text): the module `first`, and all that it imports, directly or not.
 fn modules(folder: &Path, first: &str) -> io::Result<String> {
     let (mut names, mut list) = (vec![first.to_owned()], String::new());
     while let Some(name) = names.get(list.lines().count()) {

@@ -80,9 +80,8 @@ pub struct Difference {
     pub replayed: String,
 }
 
-/// Replays the record in `source` up to the first difference, and calls `progress` for each entry. With `every`, the
-/// report has the settings and all entries.
-/// Errors: The file is no record, or cannot be read. Later damage is in [`Report::damage`].
+/// Replays the record up to the first difference, and calls `progress` for each entry; `every` adds settings and
+/// entries to the report. Errors: The file is no record, or cannot be read. Later damage is in [`Report::damage`].
 pub fn replay(source: impl Read, every: bool, progress: impl Fn()) -> Result<Report> {
     let record = bytes_of(source).context("cannot read the record")?;
     let mut report = Report::default();
@@ -218,7 +217,6 @@ fn entry_json(entry: &Entry<'_>) -> Value {
     }
 }
 
-/// Replay of one flight, whatever its tracker.
 trait FlightReplay<'a> {
     /// Replays an entry. The flag is true if the entry cancels an update; the error is a difference to the record.
     fn play(&mut self, entry: &Entry<'a>) -> (bool, Result<(), record::Difference>);
@@ -285,8 +283,7 @@ impl<'a, T: Recorded> FlightReplay<'a> for Run<'a, T> {
     }
 }
 
-/// Returns the name of the value that differs, and its recorded and replayed text.
-/// Errors: The record itself is invalid.
+/// Returns the name of the differing value, and its recorded and replayed text. Errors: The record itself is invalid.
 fn named(difference: record::Difference) -> Result<Option<(&'static str, [String; 2])>> {
     use record::Difference as Is;
     let rect = |Rect { x, y, width, height }: Rect| format!("{width}x{height} at ({x}, {y})");

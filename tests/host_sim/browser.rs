@@ -14,8 +14,7 @@ const WAIT: Duration = Duration::from_millis(20);
 /// Number of polls until a script times out after two minutes, long enough for a busy machine.
 const MOST_WAITS: usize = 6000;
 
-/// Finds headless Chromium under one of its names. If there is none, prints that the test is skipped and returns
-/// `None`.
+/// Finds headless Chromium under one of its names. If there is none, prints that the test is skipped.
 fn browser(test: &str) -> Option<&'static str> {
     let names = ["chromium", "chromium-browser", "google-chrome"];
     let found = names.into_iter().find(|name| runs(Command::new(name).arg("--version")));
@@ -30,8 +29,7 @@ const BEFORE: &str = "<script>const problems = [];
 window.onerror = (message) => { problems.push(message); };
 window.onunhandledrejection = (event) => { problems.push(String(event.reason)); };</script>";
 
-/// Functions for test scripts: `is` reports a value that differs from the expected one, `place` returns a player's
-/// frame number, `unfold` opens folded parts of the page.
+/// Functions for scripts: `is` reports a wrong value, `place` returns a player's frame, `unfold` opens folded parts.
 const AFTER: [&str; 2] = [
     r#"<script type="module">
 const is = (what, given, wanted) => { if (String(given) !== String(wanted)) problems.push(`${what}: ${given}, not ${wanted}`); };
@@ -46,8 +44,7 @@ parent.postMessage(problems.length ? "PROBLEMS " + problems.join("; ") : "FINE",
 </script></body>"#,
 ];
 
-/// Opens `page` with the fragment `address` in an iframe `width` pixels wide, and runs `script` in it. Every reported
-/// problem fails the test.
+/// Opens `page#address` in an iframe `width` pixels wide, and runs `script` in it. A reported problem fails the test.
 #[track_caller]
 pub fn act(test: &str, page: &Path, width: usize, address: &str, script: &str) {
     let Some(browser) = browser(test) else { return };

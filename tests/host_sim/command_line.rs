@@ -1,5 +1,4 @@
-//! `host-sim` with input that `tests/cases` cannot describe: videos, links, pipes, file names that are not UTF-8, and
-//! the paper's recordings.
+//! `host-sim` with input that `tests/cases` cannot describe: videos, links, pipes, odd names, the paper's recordings.
 
 use crate::missing::{has_ffmpeg, recordings, runs};
 use crate::program::{PROGRAM, host_sim, utf8};

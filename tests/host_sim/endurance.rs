@@ -1,5 +1,4 @@
-//! Long runs and sudden ends. Memory stays bounded, and the output before a full disk, a closed pipe or a kill is
-//! complete.
+//! Long runs and sudden ends: memory stays bounded, and output before a full disk, closed pipe or kill is complete.
 
 use crate::missing::{has, has_ffmpeg, skipped};
 use crate::program::{PROGRAM, host_sim, kill, utf8};
@@ -192,7 +191,6 @@ fn a_kill_leaves_the_former_file() {
     assert!(!clip.exists(), "there whole or not at all");
 }
 
-/// Limits the files of this process to 16 KiB, as if the disk became full while a video is written.
 #[test]
 fn a_disk_that_fills_up_ends_a_video_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
@@ -223,7 +221,6 @@ fn a_closed_pipe_does_not_cost_the_video() {
     assert!(pictures(&piped) == pictures(&whole), "the whole video is there");
 }
 
-/// Returns the process number of a running child of `process` with this program name.
 fn started(name: &str, process: &Child) -> Option<String> {
     let found = Command::new("pgrep").args(["-P", &process.id().to_string(), name]).output().ok()?;
     String::from_utf8(found.stdout).ok()?.lines().next().map(str::to_owned)

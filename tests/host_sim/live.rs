@@ -1,5 +1,4 @@
-//! Live sources: host-sim drops and counts frames that come while the tracker is busy, and Ctrl-C stops the source
-//! cleanly.
+//! Live sources: host-sim drops and counts frames that come while the tracker is busy; Ctrl-C stops the source cleanly.
 
 use crate::missing::has_ffmpeg;
 use crate::program::{PROGRAM, Said, host_sim, utf8};

@@ -51,7 +51,6 @@ const PLAYER: &str = r##"
   const drawn = () => document.getElementById("stage").toDataURL();
   const before = drawn();
   document.querySelector("#switches input").click();
-  // A method that is switched off disappears from the picture, and comes back when it is switched on.
   await until(() => drawn() !== before);
   document.querySelector("#switches input").click();
   await until(() => drawn() === before);

@@ -42,8 +42,7 @@ pub fn utf8(path: &Path) -> &str {
     path.to_str().expect("test paths are UTF-8")
 }
 
-/// Sends a signal with the shell's built-in `kill`, because some systems have no program `kill`. Returns `false` if
-/// there is no such process.
+/// Sends a signal by the shell's `kill`, because some systems have no program. Returns `false` if the process is gone.
 #[cfg(unix)]
 pub fn kill(signal: &str, process: &str) -> bool {
     runs(Command::new("sh").args(["-c", "kill \"$0\" \"$1\"", signal, process]))

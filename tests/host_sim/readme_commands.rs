@@ -12,7 +12,6 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Start of each line that is not run, with the reason.
 const NOT_RUN: [(&str, &str); 9] = [
     ("git clone", "it was cloned"),
     ("cargo test", "it runs this test"),

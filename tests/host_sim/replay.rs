@@ -1,5 +1,4 @@
-//! `host-sim replay` with records of `smr_core::record` that are whole, damaged, cut off, appended to, or part of a
-//! log.
+//! `host-sim replay` with records of `smr_core::record`: whole, damaged, cut off, appended to, or part of a log.
 
 use crate::program::{host_sim, utf8};
 use host_sim::replay::{Report, replay};
@@ -273,7 +272,6 @@ fn the_command_says_what_holds() {
     let json = host_sim(&["replay", utf8(&file), "--json"]).json();
     assert_eq!((&json["flights"][0]["method"], &json["flights"][1]["answers"]), (&"smr".into(), &5.into()));
     assert!(json["difference"].is_null() && json["damage"].is_null());
-    // The JSON contains all that was recorded: settings, locks, windows, answers.
     let [small, other] = [0, 1].map(|flight| &json["flights"][flight]);
     assert_eq!((&small["settings"]["k"], &other["settings"]["reach"]), (&[2, 7].into(), &[6].into()));
     let said = small["entries"].as_array().unwrap();

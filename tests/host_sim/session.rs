@@ -112,7 +112,6 @@ fn each_command_has_an_example() {
 fn no_color_is_heeded() {
     let help = |variables: &[(&str, &str)]| {
         let mut command = Command::new(PROGRAM);
-        // Colors as on a terminal.
         command.env_remove("NO_COLOR").env("CLICOLOR_FORCE", "1").envs(variables.iter().copied());
         command.args(["track", "--help"]).output().unwrap().stdout
     };

@@ -80,7 +80,6 @@ impl Window {
         (status, String::from_utf8(body).unwrap())
     }
 
-    /// Reads the server's events until one satisfies `is_wanted`.
     fn wait(&self, what: &str, is_wanted: impl Fn(&Value) -> bool) -> Value {
         let begin = Instant::now();
         let mut position = 0;

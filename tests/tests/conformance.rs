@@ -60,8 +60,7 @@ fn saved<T: Recorded>(tracker: &Tracker<T>) -> Vec<u8> {
     saved
 }
 
-/// Runs smr-core on the frames of the record `old`. Returns the new record, with the saved target at the end of each
-/// flight.
+/// Records smr-core on the frames of the record `old`, with the saved target at the end of each flight.
 fn anew<T: Recorded>(old: &[u8], rest: T::Config) -> Vec<u8> {
     let bytes = RefCell::new(Vec::new());
     let write = |piece: &[u8]| {
@@ -138,7 +137,6 @@ fn it_does_so_in_steps() {
     OF_ROBUST.into_iter().for_each(|file| replays::<Robust>(file, robust::Config::robust(), stepwise));
 }
 
-/// Restores a new tracker from the saved target before every frame.
 #[test]
 fn it_does_so_saved_and_restored_after_every_frame() {
     fn restored<T: Recorded>(tracker: &mut Tracker<T>, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
@@ -151,7 +149,6 @@ fn it_does_so_saved_and_restored_after_every_frame() {
     OF_ROBUST.into_iter().for_each(|file| replays::<Robust>(file, robust::Config::robust(), restored));
 }
 
-/// Compares the float reference with the vectors, score by score.
 #[test]
 fn the_float_reference_answers_as_the_vectors_of_the_paper_say() {
     for (name, flights, answers) in OF_PAPER {

@@ -1,5 +1,4 @@
-//! Checks that the commands in `core/EVIDENCE.md` and in other documents for maintainers can be run. The packages, test
-//! programs, features, tests and scripts in them must exist, and host-sim must accept its options.
+//! Checks that commands in `core/EVIDENCE.md` and elsewhere name existing packages, tests and scripts, valid options.
 
 use clap::CommandFactory;
 use clap::error::ErrorKind;

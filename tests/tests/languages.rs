@@ -25,7 +25,6 @@ const PLACES: &[(&str, &str, &str, &str, &str)] = &[
     ("state", "host-sim", "host-sim/evaluation/src/method.rs", "fn name_of(", "\n}"),
 ];
 
-/// Spells `name` in a language's style.
 fn spelled(what: &str, language: &str, name: &str) -> String {
     let told = match (name, language) {
         ("bbox" | "fine", "C") | ("fine", "host-sim") => name,

@@ -1,11 +1,9 @@
-//! The closed loop: a simulated camera on a head films a rendered scene, the tracker follows the target, and the
-//! pursuit turns the head.
+//! The closed loop: a simulated camera films a scene, the tracker follows the target, the pursuit turns the head.
 //!
-//! The camera has 160x120 pixels, a focal length of 160 pixels (53 degrees across) and 30 frames per second. Each frame is
-//! rendered ray by ray from the present angles of the head: a textured target of 17 by 17 degrees (48x48 pixels at the
-//! centre) in front of a textured background. A command reaches the servos one frame after the frame that caused it. The
-//! servos turn at up to 300 degrees per second, with a resolution of one microsecond of pulse. Everything is
-//! deterministic.
+//! The camera has 160x120 pixels, a focal length of 160 pixels (53 degrees across) and 30 frames per second. Each frame
+//! is rendered ray by ray, deterministically, from the present angles of the head: a textured target of 17 by 17
+//! degrees (48x48 pixels at the centre) in front of a textured background. A command reaches the servos one frame after
+//! the frame that caused it. They turn at up to 300 degrees per second, with a resolution of one microsecond of pulse.
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "gray levels and grid places, all small")]
 
@@ -34,8 +32,7 @@ fn right_degrees(degrees: f64) -> Direction {
     [degrees.to_radians(), 0.0]
 }
 
-/// Renders the picture of a camera in direction `head`. An occluder has its own texture and 1.5 times the target's
-/// size.
+/// Renders a camera's picture in direction `head`. An occluder has its own texture and 1.5 times the target's size.
 fn picture(head: Direction, target: Direction, occluder: Option<Direction>) -> Vec<u8> {
     let side = f64::from(TARGET_PIXELS) / FOCAL_LENGTH_PIXELS;
     let seen = |ray: Direction| {
@@ -166,8 +163,7 @@ impl<T: Target> Loop<T> {
         Self { tracker, pursuit, servo_pins, lamp, head: HOME, goal: HOME }
     }
 
-    /// Runs one frame. Returns the tracker's state, true if the lamp is on, and the target's distance from the
-    /// picture's middle in pixels.
+    /// Runs a frame. Returns the state, true if the lamp is on, and the target's pixels from the picture's middle.
     fn step(&mut self, target: Direction, occluder: Option<Direction>) -> (State, bool, f64) {
         let error_pixels = offset_pixels(self.head, target);
         let picture = picture(self.head, target, occluder);
@@ -198,8 +194,7 @@ fn small() -> Config {
     let mut config = Config::camera();
     config.window = Radius { x: 12, y: 12 };
     config.window_limit = Radius { x: 32, y: 32 };
-    // The paper's gate (1.0) accepts every peak inside the frame. Here the tracker must distinguish target and
-    // occluder.
+    // The paper's gate (1.0) accepts every peak inside the frame; this one must tell the target from the occluder.
     config.gate_tracking = Fraction::new(5, 4);
     // A lead of 100 pixels is easy to reach with the target's 2304 pixels, so only the ratio decides here.
     config.gate_lead = u16::MAX;
@@ -270,7 +265,6 @@ fn a_target_that_was_hidden_is_centred_again() {
     for frame in 1..=30 {
         let (state, lamp, error_pixels) = head.step(right_degrees(23.75), None);
         assert_eq!((state, lamp), (State::Tracking, true), "frame {frame}");
-        // The head centres the target within 5 frames.
         let most = [10.0, 10.0, 10.0, 10.0, 2.0].get(frame - 1).copied().unwrap_or(8.0);
         assert!(error_pixels < most, "frame {frame}: {error_pixels:.1} pixels");
     }

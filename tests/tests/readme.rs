@@ -1,19 +1,15 @@
-//! Checks that the project's README is at most 900 words long, and that the Rust examples of the READMEs work.
-//! `build.rs` extracts the examples.
-//!
+//! Checks that the README has at most 900 words, and that the READMEs' Rust examples work (`build.rs` extracts them).
 //! Their C examples are compiled and run by `.ci/c`, their commands by `readme_commands.rs`.
 
 #![allow(elided_lifetimes_in_paths, reason = "the examples are written as most people write Rust")]
 
 #[test]
 fn the_readme_has_at_most_900_words() {
-    // Counts the README's words as `wc -w` does.
     let words = include_str!("../../README.md").split_whitespace().count();
     assert!(words <= 900, "README.md has {words} words");
 }
 
-/// Draws the target of the examples: 40x48 pixels at 150,100 in the first picture (320x240), two pixels further right
-/// in each next one.
+/// Draws the examples' target: 40x48 pixels at 150,100 in a first 320x240 picture, then 2 pixels further right each.
 fn pictures(count: usize) -> Vec<Vec<u8>> {
     let texture = |x: usize, y: usize| (x / 4 * 83 + y / 4 * 47 + (x / 4) * (y / 4) * 29) % 200 + 55;
     let pixel = |left: usize, x: usize, y: usize| {

@@ -4,8 +4,7 @@
 use smr_core::readout::{Format, Readout};
 use smr_core::{Frame, Image, LockError, Paper, Rect, Robust, Target, Tracker, UpdateError, paper, robust};
 
-/// Draws pictures with a textured target that moves and grows. Of nine pictures three are noise, so that the tracker
-/// loses the target and searches.
+/// Draws a textured target that moves and grows. Of nine pictures three are noise, so that the tracker searches for it.
 fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     let (width, height) = (60 + seed * 37 % 200, 50 + seed * 53 % 150);
     let (across, down) = (4 + seed * 29 % (width / 2), 4 + seed * 31 % (height / 2));
@@ -26,8 +25,7 @@ fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     ((width, height), target, pictures.collect())
 }
 
-/// The lines of a sensor's picture, each followed by three padding bytes. Some formats send more columns or lines than
-/// the picture has.
+/// Lines of a sensor's picture, each with three padding bytes; some formats send more columns or lines than it has.
 struct Sensor {
     format: Format,
     size: (u16, u16),

@@ -17,11 +17,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const FRAMES: usize = 300;
-/// Maximum number of covered frames in which a tracker may report *tracking*.
 const MAX_TRACKING_FRAMES: usize = 2;
 /// Covered frame, from 1, by which a tracker must report *lost*.
 const LOST_BY: usize = 30;
-/// Number of frames after the cover within which the box must become right again.
 const RECOVERY_FRAMES: usize = 10;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,7 +43,6 @@ const NOT_TRACKING: Goal = ("tracking in more than 2 frames", |of| of.tracking >
 const LOST: Goal = ("not lost by frame 30", |of| of.lost_at.is_none_or(|frame| frame > LOST_BY));
 const RIGHT_AGAIN: Goal = ("not right again", |of| of.right_before && of.right_again.is_none());
 
-/// Results of a tracker while one kind of cover hides the target: its counts on each recording.
 struct Row {
     tracker: String,
     origin: Origin,
@@ -176,7 +173,6 @@ impl Row {
         self.recordings.iter().filter(|of| misses(of)).map(|of| of.sequence.as_str()).collect()
     }
 
-    /// Returns a line for each missed goal, with the recordings that miss it.
     fn missed(&self) -> Vec<String> {
         let missed = [NOT_TRACKING, LOST, RIGHT_AGAIN].map(|goal| (goal.0, self.missing(goal)));
         let missed = missed.iter().filter(|(_, which)| !which.is_empty());

@@ -77,9 +77,8 @@ pub fn measure(
 
 /// Runs `variants` over the sequence, and scores the result files of other trackers in `files`.
 ///
-/// Each frame is decoded once and dropped when all methods have seen it; then `progress` is called.
-/// Errors: No ground truth or one of another length, no start box, or a frame that cannot be read. The error of a
-/// single contestant goes to [`Evaluation::failures`].
+/// Each frame is decoded once; `progress` is called when all methods have seen it. Errors: No ground truth, one of
+/// another length, no start box, or an unreadable frame. A contestant's error goes to [`Evaluation::failures`].
 pub fn evaluate(
     sequence: Sequence,
     variants: &[Variant],
@@ -123,8 +122,7 @@ impl Evaluation {
         }
     }
 
-    /// Returns tables of all scores, of their means over recordings, and of correct frames beside the paper's. Methods
-    /// come first, in the user's order, then result files, in natural order.
+    /// Returns tables of scores, of means, and of correct frames beside the paper's. Methods come before result files.
     pub fn tables(all: &[Self]) -> Tables {
         let origin = Head::all(Origin::COLUMNS);
         let figures = Score::FIGURES.iter().map(|of| Head::new(of.key, of.title, of.digits)).collect();

@@ -17,7 +17,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 const LEAD: usize = 10;
-/// Number of frames after the fault, up to the end of the run, in which the box can become right again.
 const WATCHED: usize = 50;
 /// Maximum number of frames of a recording at which a fault is inserted, each in a run of its own.
 const MAX_PLACES: usize = 8;
@@ -25,7 +24,6 @@ const MAX_PLACES: usize = 8;
 /// The default trackers: the two of smr-core.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Robust];
 
-/// Results of a tracker under a fault, over all runs on all recordings.
 #[derive(Debug)]
 struct Row {
     tracker: String,
@@ -137,8 +135,7 @@ impl Protocol for Faults<'_> {
     }
 }
 
-/// Returns the frames in which faults begin, spread evenly over the recording, and the box to lock on before each. The
-/// target is visible in the frame of the lock and where the fault begins.
+/// Returns frames in which faults begin, spread evenly, and the boxes to lock on before; the target is visible in both.
 fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
     let visible = |frame: usize| recording.truth.get(frame).is_some_and(Option::is_some);
     let bounds = recording.bounds();
@@ -153,7 +150,6 @@ fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
 }
 
 impl Counts {
-    /// Returns the number of frames during the fault that have an answer, that is, are not *lost*.
     fn answered(&self) -> usize {
         self.states.iter().sum::<usize>() - self.states[State::Lost as usize]
     }
@@ -220,7 +216,6 @@ const COLUMNS: &[Column<Row>] = &[
     }),
 ];
 
-/// Returns `part` in percent of `whole`; `None` if `whole` is 0.
 fn percent(part: usize, whole: usize) -> Option<String> {
     (100 * part + whole / 2).checked_div(whole).map(|percent| format!("{percent} %"))
 }
@@ -318,7 +313,6 @@ mod tests {
             let [none, _, gain, robust_none, _, robust_gain] = &column[..] else { panic!("{column:?}") };
             assert_eq!((none, robust_none), (gain, robust_gain), "a gain of 1 changes nothing");
         }
-        // With two recordings, every number of runs is twice that with one.
         for (one, two) in columns(&one, |key| key == "runs").iter().zip(columns(&two, |key| key == "runs")) {
             let twice: Vec<_> = one.iter().map(|runs| Value::from(2 * runs.as_u64().unwrap())).collect();
             assert_eq!(two, twice);

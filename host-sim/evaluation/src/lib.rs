@@ -1,9 +1,8 @@
 //! Evaluation: runs trackers over recordings, and scores their answers against ground truth.
 //!
-//! Trackers are those of smr-core and baselines ([`MethodKind`]); a [`Variant`] is a tracker with its settings. A
-//! [`Follower`] follows a target frame by frame; a [`Run`] records the answers, from which all figures are computed.
-//! [`Evaluation`] scores by the protocols of the paper, OTB and VOT. [`robustness`], [`faults`] and [`covers`] use one
-//! driver. Results are [`Tables`].
+//! Trackers are those of smr-core and baselines ([`MethodKind`]); a [`Variant`] is one with settings. A [`Follower`]
+//! follows a target frame by frame; a [`Run`] records its answers. [`Evaluation`] scores by the protocols of the paper,
+//! OTB and VOT. [`robustness`], [`faults`] and [`covers`] share a driver. Results are [`Tables`].
 
 mod baseline;
 pub mod covers;

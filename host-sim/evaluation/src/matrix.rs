@@ -182,9 +182,8 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    /// Reads all frames.
-    /// Errors: No start box; ground truth that is missing, never visible or of another length; a frame that cannot be
-    /// read; more than `most_bytes` of frames.
+    /// Reads all frames. Errors: No start box; ground truth that is missing, never visible or of another length; a
+    /// frame that cannot be read; more than `most_bytes` of frames.
     pub fn read(sequence: Sequence, most_bytes: u64) -> Result<Self> {
         let start = sequence.start();
         let Sequence { name, frames, init, truth, .. } = sequence;
@@ -213,8 +212,7 @@ impl Recording {
         Ok(Self { name, frames: kept, init, truth })
     }
 
-    /// Runs a tracker through a case; calls `progress` for each frame of the recording.
-    /// Errors: The tracker cannot be built or fails, or a signal requests a stop.
+    /// Runs a case; calls `progress` for each frame. Errors: The tracker cannot be built, fails, or a signal stops it.
     fn run(&self, variant: &Variant, case: &Case, progress: impl Fn()) -> Result<Run> {
         let mut follower = Follower::new(variant.build()?, vec![(case.frame + 1, Some(case.target))]);
         let mut run = Run::default();
@@ -237,7 +235,6 @@ impl Recording {
     }
 }
 
-/// Returns the ground truth of the sequence `name`, or an error if there is none.
 pub(super) fn truth_of<T>(name: &str, truth: Option<T>) -> Result<T> {
     truth.with_context(|| format!("{name}: no ground truth beside it: expected gt.txt, groundtruth_rect.txt or groundtruth.txt (`track` needs none)"))
 }

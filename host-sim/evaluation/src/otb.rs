@@ -127,11 +127,9 @@ mod tests {
             // A perfect tracker passes all thresholds but the last. An answer while the target is hidden does not count.
             (&[near, at(5.0, 5.0), None], &[near, at(5.0, 5.0), None], 20.0, 1.0),
             (&[near, at(5.0, 5.0), at(9.0, 9.0)], &[near, at(5.0, 5.0), None], 20.0, 1.0),
-            // No answers, no visible target, and no frames.
             (&[None, None], &[near; 2], 0.0, 0.0),
             (&[near; 2], &[None, None], 0.0, 0.0),
             (&[], &[], 0.0, 0.0),
-            // Two right answers, one far away, one frame without an answer.
             (&[near, near, far, None], &[near; 4], 10.0, 0.5),
             // 5 to the right: the IoU is 50 / 150, above the thresholds 0, 0.05, ... 0.30.
             (&[at(5.0, 0.0)], &[near], 7.0, 1.0),

@@ -34,8 +34,7 @@ pub(super) fn name(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Returns the result files beside the recording at `path`: `trackers/*.txt` in its folder, in natural order.
-/// Errors: The folder `trackers` exists, but cannot be read.
+/// Returns the result files `trackers/*.txt` beside the recording, in natural order. Errors: The folder cannot be read.
 pub fn result_files(path: &Path) -> Result<Vec<PathBuf>> {
     let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new(".")) };
     let folder = folder.join(RESULTS);

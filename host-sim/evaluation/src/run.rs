@@ -19,8 +19,7 @@ pub struct Follower<M: Method + ?Sized = dyn Method> {
 }
 
 impl Follower {
-    /// Creates a follower for each target; all use `variant` with one workspace.
-    /// Errors: A box has less than one pixel, or the configuration is invalid.
+    /// Creates followers with one workspace. Errors: A box has less than one pixel, or the configuration is invalid.
     pub fn all(targets: Vec<Target>, variant: &Variant) -> Result<Vec<Self>> {
         let methods = variant.build_all(targets.len())?;
         let one = |(target, method): (Target, _)| {
@@ -133,7 +132,6 @@ mod tests {
         all.iter_mut().map(of).collect()
     }
 
-    /// Answers are the same with one workspace for all targets and with one for each.
     #[test]
     fn targets_beside_one_another_do_not_disturb_each_other() {
         for &kind in MethodKind::value_variants() {

@@ -14,7 +14,6 @@ pub type Trajectory = [Option<BoundingBox>];
 /// Intersection over union of answer and truth above which a frame is correct.
 pub const CORRECT: f64 = 0.25;
 
-/// IoU above which a frame counts in [`Score::correct_50`].
 const CORRECT_50: f64 = 0.5;
 
 /// Figures of a tracker on a recording. If the target is never visible, only the counts are known.
@@ -172,8 +171,7 @@ impl Score {
     }
 }
 
-/// Returns the IoU of each frame, with normalised answers: 0 without an answer, `None` without a visible target.
-/// Errors: The arguments differ in length.
+/// Returns IoUs of frames, with normalised answers: 0 without an answer, `None` if hidden. Errors: Lengths differ.
 pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f64>>> {
     let (frames, boxes) = (answers.len(), truth.len());
     ensure!(frames == boxes, "there are {frames} frames, but the ground truth has {boxes} boxes");
@@ -196,7 +194,6 @@ fn first_box(boxes: &Trajectory) -> Option<BoundingBox> {
     boxes.first().copied().flatten().filter(|first| first.width > 0.0 && first.height > 0.0)
 }
 
-/// Moves and scales `answer` by the change that makes `from` equal to `to`.
 fn moved(answer: BoundingBox, from: BoundingBox, to: BoundingBox) -> BoundingBox {
     let (width, height) = (answer.width * (to.width / from.width), answer.height * (to.height / from.height));
     let ((x, y), (from_x, from_y), (to_x, to_y)) = (answer.centre(), from.centre(), to.centre());

@@ -1,5 +1,4 @@
-//! The score of VOT's long-term challenge: the highest F of a recording. Lukezic et al., *Now you see me: evaluating
-//! performance in long-term visual tracking*, 2018.
+//! The score of VOT's long-term challenge, the highest F of a recording: Lukezic et al., *Now you see me*, 2018.
 //!
 //! At a threshold, only answers with at least this confidence count, and they are not normalised:
 //!

@@ -23,8 +23,7 @@ pub fn module(name: &str) -> Option<&'static str> {
     MODULES[0].iter().find(|(module, _)| *module == name).map(|(_, text)| *text)
 }
 
-/// Returns the element `<script type="importmap">` for the report. In its single HTML file, modules cannot import each
-/// other by `./NAME.js`, so each gets the name `smr/NAME.js`.
+/// Returns the report's `<script type="importmap">`: its single file has no `./NAME.js`, so modules are `smr/NAME.js`.
 pub fn import_map() -> String {
     let module = |(name, text): &(&str, &str)| {
         let text = base64(text.replace("from \"./", "from \"smr/").as_bytes());

@@ -238,9 +238,8 @@ fn parse<T>(text: &str, entry: impl Fn(&str) -> Result<T>) -> Result<Vec<T>> {
     lines.enumerate().map(|(index, line)| entry(line).with_context(|| format!("line {}", index + 1))).collect()
 }
 
-/// Parses a region in VOT's format and returns its bounding box: `x,y,width,height`, a polygon `x1,y1,x2,y2,x3,y3,...`,
-/// or a mask `mX,Y,WIDTH,HEIGHT` with run lengths. `None` for NaN, for an empty mask, and for a single number, which
-/// marks a hidden target or a stopped tracker.
+/// Returns the box around a region of VOT: `x,y,width,height`, polygon `x1,y1,x2,y2,x3,y3,...`, or mask
+/// `mX,Y,WIDTH,HEIGHT` with run lengths. `None` for NaN, an empty mask, and a single number (target hidden or lost).
 pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     let expected = || anyhow!("expected x,y,width,height or a polygon x1,y1,x2,y2,x3,y3,..., found {}", shown(text));
     if let Some(runs) = text.trim().strip_prefix('m') {
@@ -302,7 +301,6 @@ fn numbers(line: &str) -> Option<Vec<f64>> {
     (numbers.len() <= 4 || with_blank == 0 || with_blank + 1 == numbers.len()).then_some(numbers)
 }
 
-/// Quotes the first 60 characters of a line for an error message.
 fn shown(line: &str) -> String {
     let start: String = line.chars().take(60).collect();
     let is_mixed = line.contains([',']) && line.trim().contains([' ', '\t', ';']);

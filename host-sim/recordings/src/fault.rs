@@ -91,7 +91,6 @@ impl Fault {
             Kind::Dropped => {}
             Kind::Repeated => pixels.clone_from(&before.pixels),
             Kind::Torn => {
-                // The picture is torn at a row in its middle half.
                 let height = usize::from(frame.height);
                 let start = (height / 4 + random.place(height / 2)) * width;
                 pixels[start..].copy_from_slice(&former.pixels[start..]);
@@ -134,7 +133,6 @@ impl Fault {
 
 const FOG: i64 = 110;
 
-/// Maps the level of every pixel by `light`, clamped to 0 to 255.
 fn relight(pixels: &mut [u8], mut light: impl FnMut(i64) -> i64) {
     pixels.iter_mut().for_each(|pixel| *pixel = u8::try_from(light((*pixel).into()).clamp(0, 255)).unwrap_or(u8::MAX));
 }

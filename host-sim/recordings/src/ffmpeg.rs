@@ -204,7 +204,6 @@ impl Messages {
             Some(words) => (true, words),
             None => match ["[error] ", "[fatal] ", "[panic] "].iter().find_map(|level| line.strip_prefix(level)) {
                 Some(words) => (false, words),
-                // A continued message, for example a title of several lines.
                 None if self.has_begun => return None,
                 None => (false, line),
             },

@@ -6,9 +6,8 @@ pub(super) enum Transfer {
     Hlg,
 }
 
-/// Tone curve: the screen shows L (1 + L / P^2) / (1 + L) for a light L. L is the brightest of red, green and blue, and
-/// P is 1000 cd/m2, both as multiples of white paper (203 cd/m2, ITU-R BT.2408); all three colors get the same factor.
-/// Colors outside of BT.709 are clipped.
+/// Tone curve: a light L becomes L (1 + L / P^2) / (1 + L). L, the brightest of red, green and blue, and P, 1000 cd/m2,
+/// are multiples of white paper (203 cd/m2, ITU-R BT.2408). All colors get one factor, and are clipped to BT.709.
 pub(super) struct Tones {
     transfer: Transfer,
     /// Light of each 12-bit level, as a multiple of white paper; for HLG the light of the scene, from 0 to 1.

@@ -128,8 +128,7 @@ const MIN_LEVELS: usize = 64;
 /// One pixel in this many may be dead, so this share of values is ignored at each end of the histogram.
 const PIXELS_PER_DEAD: u64 = 10_000;
 
-/// Returns a note if 16-bit pictures use few levels, judged by the first, middle and last of `pictures`. Ignores one
-/// pixel in 10,000 at each end of the histogram, because sensors have dead pixels.
+/// Returns a note if 16-bit pictures use few levels, judged by the first, middle and last of `pictures`.
 pub(super) fn levels_note(pictures: &[Picture]) -> Option<String> {
     let mut counts = vec![0_u64; 1 << 16];
     let mut all = 0;

@@ -30,8 +30,7 @@ pub fn text(file: &Path, kind: &Kind) -> Result<String> {
     text.map_err(|_| anyhow!("it is not text in UTF-8: expected {}", kind.expected))
 }
 
-/// Reads all bytes of a file.
-/// Errors: The file is missing, unreadable, too long, or a silent pipe. The message does not name it.
+/// Reads a file. Errors: It is missing, unreadable, too long, or a silent pipe. The message does not name it.
 pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     let Kind { expected, most } = kind;
     let unreadable = |error: io::Error| match error.kind() {
@@ -68,7 +67,6 @@ pub struct Patient {
     chunk: Vec<u8>,
     read: usize,
     patience: Duration,
-    /// Returns the error of a read that waited for `patience`.
     silent: fn(Duration) -> io::Error,
 }
 

@@ -170,8 +170,7 @@ impl Sequence {
         Self { name, frames, length: None, first: 1, init: None, truth: None, source, notes: Vec::new() }
     }
 
-    /// Returns the start box in whole pixels.
-    /// Errors: There is no box, or it is smaller than a pixel, too large or too far away.
+    /// Returns the start box in whole pixels. Errors: There is none, or it is below a pixel, too large or too far away.
     pub fn start(&self) -> Result<smr_core::Rect> {
         let name = &self.name;
         let init = self.init.with_context(|| {
@@ -287,12 +286,10 @@ pub fn is_sequence(path: &Path) -> bool {
     holds(path, is_recording) || has_pictures(path) || INNER.iter().any(|inner| has_pictures(&path.join(inner)))
 }
 
-/// Returns an error if the folder holds pictures of an unsupported format.
 fn check_pictures(folder: &Path) -> Result<()> {
     pictures_in(folder, &files_in(folder)?)?.first().map_or(Ok(()), |first| images::check_kind(first))
 }
 
-/// The box of each frame; `None` where the target is not visible.
 type Truth = Vec<Option<BoundingBox>>;
 
 fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
@@ -344,8 +341,7 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
     Ok(self::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
 }
 
-/// Returns the pictures of a folder, sorted by name; `files` are all files in it.
-/// Errors: Pictures are of several formats or in several folders, or two have the same number.
+/// Returns the pictures of a folder's `files`, by name. Errors: Several formats or folders, or two with one number.
 fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let inner = INNER.map(|inner| folder.join(inner)).into_iter().filter(|inner| inner.is_dir());
     let mut kinds: Vec<Vec<PathBuf>> = Vec::new();
@@ -374,7 +370,6 @@ fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
     Ok(pictures)
 }
 
-/// Returns the only video, Y4M file or raw dump of a folder without pictures.
 fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<&'a Path> {
     let mut recordings = files.iter().filter(|file| is_recording(file));
     let Some(recording) = recordings.next() else {

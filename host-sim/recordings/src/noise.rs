@@ -1,7 +1,6 @@
 //! The worst case of a search that rejects offsets early: frames of random pixels, in which it can reject none.
 //!
-//! The box stays in the middle, so that the search window of a second update lies in the frame wherever the first moves
-//! it.
+//! The box stays in the middle, so that a second update's search window lies in the frame wherever the first moves it.
 
 use super::{BoundingBox, GrayFrame, Sequence};
 use smr_scene::random::Random;

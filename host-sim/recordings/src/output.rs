@@ -16,7 +16,6 @@ pub struct Output {
     whole: Option<Whole>,
 }
 
-/// A temporary file beside the target that it will replace.
 struct Whole {
     path: TempPath,
     target: PathBuf,
@@ -112,7 +111,6 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
     Ok((file, Some(Whole { path, target, _kept })))
 }
 
-/// Returns a builder of temporary files and folders with a name prefix and, on Unix, these permissions.
 #[cfg_attr(not(unix), allow(unused_variables))]
 fn temporary(prefix: &str, mode: u32) -> tempfile::Builder<'_, 'static> {
     let mut builder = tempfile::Builder::new();
@@ -135,8 +133,7 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Begins the folder `name`, and creates its parent folders.
-    /// Errors: The folder is not empty, or cannot be created.
+    /// Begins the folder `name`, and creates its parent folders. Errors: The folder is not empty, or cannot be created.
     pub fn create(name: &Path) -> Result<Self> {
         let target = behind_links(name);
         let is_there = fs::symlink_metadata(&target).is_ok();

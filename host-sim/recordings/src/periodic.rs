@@ -1,8 +1,7 @@
 //! A built-in recording of patterns without noise, where many offsets have equal scores, to test how ties are broken.
 //!
-//! A checkerboard moves by half of its period, where offsets to the left and right, above and below are equally close.
-//! Some frames are uniform. Others show a single cone, whose score falls with every pixel of distance, so that the
-//! runner-up shows where the neighbourhood of the peak ends.
+//! A checkerboard moves by half of its period, where opposite offsets are equally close. Some frames are uniform.
+//! Others show a cone: its score falls with every pixel, so the runner-up shows where the peak's neighbourhood ends.
 
 use super::{GrayFrame, Sequence};
 

@@ -47,8 +47,7 @@ impl Source {
         if let Self::Live(arrivals) = self { Some(Arc::clone(arrivals)) } else { None }
     }
 
-    /// Returns color frames from number `first` on, up to the first unreadable one. ffmpeg scales those of a video down
-    /// to at most `side` pixels on a side, which is fast.
+    /// Returns color frames from `first` on, up to the first unreadable one; ffmpeg scales videos down to `side`.
     fn color_from(&self, first: usize, side: u16, patience: Duration) -> Colors {
         match self {
             Self::Once | Self::Live(_) => Box::new(std::iter::empty()),
@@ -74,8 +73,7 @@ impl From<&GrayFrame> for ColorFrame {
 }
 
 impl Sequence {
-    /// Adds to each frame its colors, in the size of the gray frame, and its presentation time. If the colors cannot be
-    /// read, the gray levels take their place.
+    /// Adds presentation times, and colors in the size of the gray frame; gray levels replace unreadable colors.
     pub fn in_color(self, patience: Duration) -> Self {
         let mut colors = self.source.color_from(self.first, u16::MAX, patience);
         let frames = self.frames.map(move |frame| Ok(colored(frame?, &mut colors)));

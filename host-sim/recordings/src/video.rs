@@ -1,7 +1,6 @@
 //! Decodes videos by ffmpeg, picture by picture, each with its time.
 //!
-//! Gray pixels equal those of `ffmpeg -i FILE -pix_fmt gray -fps_mode passthrough -f rawvideo -`. Sizes and times are
-//! read from standard error, where the filter `showinfo` prints them.
+//! Gray pixels are those of `ffmpeg -i FILE -pix_fmt gray -fps_mode passthrough -f rawvideo -`; `showinfo` has times.
 
 use super::ffmpeg::{Ffmpeg, Moment, Shown, command, input};
 use super::hdr::Tones;
@@ -30,8 +29,7 @@ pub(super) enum Use {
     Times,
 }
 
-/// Returns all pictures of a file, then an error if ffmpeg has reported damage.
-/// Errors: There is no ffmpeg, or it decodes no picture of the file.
+/// Returns all pictures of a file, then an error if ffmpeg reports damage. Errors: No ffmpeg, or no picture.
 pub(super) fn open(
     program: &str,
     file: &Path,
@@ -181,8 +179,7 @@ impl Pictures {
     }
 }
 
-/// Longest step in seconds from one frame to the next of a video. A longer one is a join of two videos, because in
-/// MPEG-TS a time that goes back looks like a clock overflow.
+/// Longest step between frames in seconds. A longer one is a join: times that go back look like overflow in MPEG-TS.
 pub(super) const MAX_TIME_JUMP: u32 = 43_200;
 
 /// Times that never go back: in a file of joined videos, each video continues the times of the one before.

@@ -45,8 +45,7 @@ pub struct GateNumbers {
     pub tracking: (f64, f64),
     /// Ratio of peak to runner-up, a fraction `.0 / .1`, required if the box at the peak crosses the frame's edge.
     pub border: (f64, f64),
-    /// Ratio of peak to runner-up, a fraction `.0 / .1`, required after a box crossed the frame's edge, until a lost
-    /// target is found again.
+    /// Ratio of peak to runner-up required after a box crossed the frame's edge, until a lost target is found again.
     pub been_at_border: (f64, f64),
     /// Ratio of peak to runner-up, a fraction `.0 / .1`, required for finding a lost target again.
     pub lost: (f64, f64),
@@ -187,7 +186,6 @@ impl Picture {
         self.pixels.iter().map(|pixel| (pixel - mean).abs()).sum()
     }
 
-    /// Count of clipped pixels, at 0 or 255.
     fn cut_off(&self) -> f64 {
         self.pixels.iter().map(|&pixel| if pixel <= 0.0 || pixel >= 255.0 { 1.0 } else { 0.0 }).sum()
     }
@@ -325,16 +323,14 @@ impl Reference {
         self.template = next;
     }
 
-    /// Accepts a peak above `needed` * runner-up or above runner-up + lead, if its mean similarity per pixel is at
-    /// least `least_ratio`.
+    /// Accepts a peak above `needed` * runner-up or runner-up + lead, if its mean similarity is at least `least_ratio`.
     fn is_accepted(&self, peak: f64, runner_up: f64, needed: (f64, f64)) -> bool {
         let gate = &self.numbers.gate;
         let stands_out = peak * needed.1 > runner_up * needed.0 || peak > runner_up + gate.lead * UNITS;
         stands_out && (peak / self.template.area()).floor() >= gate.least_ratio
     }
 
-    /// True if the patch has enough of the template's contrast, and not many more pixels at 0 or 255 than the template.
-    /// Always true if `least_ratio` is 0.
+    /// True if `least_ratio` is 0, or contrast is enough and not many more pixels than the template's are clipped.
     fn is_shown(&self, frame: &Picture, (x, y): (i64, i64)) -> bool {
         let gate = &self.numbers.gate;
         let seen = frame.cut(x, y, self.template.width, self.template.height);

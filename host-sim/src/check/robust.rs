@@ -1,6 +1,5 @@
-//! Comparison of the robust tracker with its reference, in each frame: requested pixel windows, features and filter
-//! responses of the search window, learned weights, early template, response and ratio at the answer, confidence,
-//! state, scale and box. Core reads only the requested pixels, the reference the whole frame.
+//! Comparison of the robust tracker with its reference, in each frame: requested windows, features, responses, weights,
+//! early template, response and ratio, confidence, state, scale, box. Core reads only the requested pixels.
 
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
@@ -68,7 +67,6 @@ impl Checked for Robust {
     }
 }
 
-/// Frame that contains only the pixels that core asks for.
 fn asked_for<'a>(core: &Tracker<Robust>, frame: &'a GrayFrame) -> Result<Frame<'a>> {
     let part = |region: Rect| -> Result<(Image<'a>, u16, u16)> {
         let pixels = frame.frame().patch(region).with_context(|| format!("{region:?} is not within the frame"))?;

@@ -79,7 +79,6 @@ impl Check {
         Ok(Report { origin: variant.origin(), report })
     }
 
-    /// Compares frame by frame, up to the first difference.
     fn compare<T: Checked>(
         &self,
         path: &Path,

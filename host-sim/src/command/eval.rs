@@ -193,7 +193,6 @@ impl Eval {
                 robustness::measure(&found, open, &variants, starts, former.as_ref(), &progress)
             }
             Protocol::Whole => {
-                // Recordings of the paper get its whole table: all methods, and other trackers' results.
                 let is_papers = says_nothing && found.iter().all(|path| is_published(path));
                 let variants = if is_papers { Variant::all() } else { variants };
                 let open = |path: &Path| self.open_part(path);
@@ -258,8 +257,7 @@ impl Eval {
     }
 }
 
-/// Prints the failures, one line on standard error for each, and returns their number.
-/// Errors: The only measurement failed.
+/// Prints each failure in a line of standard error, and returns their number. Errors: The only measurement failed.
 fn count_failures(mut failures: Vec<Error>, is_all: bool) -> Result<usize> {
     if is_all && failures.len() == 1 {
         return Err(failures.remove(0));

@@ -182,7 +182,6 @@ pub fn whole<T: FromStr>(range: RangeInclusive<u64>) -> impl Fn(&str) -> Result<
     }
 }
 
-/// Returns a parser of whole numbers from `first` on that fit `T`.
 fn from<T: FromStr>(first: u64) -> impl Fn(&str) -> Result<T> + Clone {
     whole(first..=u64::MAX)
 }

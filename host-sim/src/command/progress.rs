@@ -106,7 +106,6 @@ pub struct Expected<'a> {
 struct Opened {
     frames: u64,
     recordings: usize,
-    /// Number of recordings, opened or not.
     all: usize,
 }
 

@@ -76,8 +76,7 @@ impl RecordingOptions {
         self.open_all(path, false).map(|(sequence, _)| sequence)
     }
 
-    /// Opens the recording at `path`. Returns the targets of the options, or else the one from files beside the
-    /// recording. With `takes_live` it also opens a live source.
+    /// Opens the recording, with `takes_live` also a live one. Returns the options' targets, or else the one beside it.
     pub fn open_with_targets(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
         let (sequence, targets) = self.open_all(path, takes_live)?;
         if let Some(resize) = self.resize {
@@ -178,8 +177,7 @@ impl RecordingOptions {
         !self.init.is_empty() || self.inclusive
     }
 
-    /// Finds the recordings at `paths` and in folders there.
-    /// Errors: There is none, or `--init` is given for several recordings.
+    /// Finds the recordings at and in `paths`. Errors: There is none, or `--init` is given for several recordings.
     pub fn find(&self, paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
         let found = recordings(paths)?;
         self.check_for(found.len())?;

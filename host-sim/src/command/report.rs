@@ -191,7 +191,6 @@ impl Report {
             if let [(one, _)] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
         let progress = progress::bar(&name, length);
         let budget = Some(self.budget_bytes() / sequences.len());
-        // A default method that refuses the box is left out; a method that the user named fails with an error.
         let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
             let (stills, several) = (BTreeSet::new(), targets.len() > 1);

@@ -221,7 +221,6 @@ impl Pass {
         self.bar.suspend(|| complain(&format!("warning: {}: {what}", self.name)));
     }
 
-    /// Prints why a live source ended, and how many of its frames were dropped.
     fn say_end(&self, live: &Arrivals) {
         if let Some(reason) = live.ended() {
             self.warn(&format!("it has ended: {reason}"));
@@ -272,8 +271,7 @@ fn warning(poor: &[Option<&str>]) -> Option<String> {
     }
 }
 
-/// Output of lines. Standard output gets each line before the next frame is read, so that an error does not lose
-/// earlier ones; a file is complete at the end.
+/// Output of lines: at once to standard output, so that an error loses none, or to a file, complete at the end.
 enum Lines {
     /// Standard output. With `goes_on`, a closed pipe does not end the command, because a video is written, too.
     Printed {

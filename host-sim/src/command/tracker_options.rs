@@ -169,8 +169,7 @@ fn backend_as_name<S: Serializer>(backend: &Option<Backend>, serializer: S) -> R
 }
 
 impl TrackerOptions {
-    /// Returns each of `methods` once, with its settings.
-    /// Errors: An option applies to none of the methods, or is out of range.
+    /// Returns each of `methods` once, with settings. Errors: An option applies to none of them, or is out of range.
     pub fn variants(&self, methods: &[MethodKind]) -> Result<Vec<Variant>> {
         self.check_for(methods)?;
         let configs = self.configs()?;

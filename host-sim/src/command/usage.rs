@@ -1,5 +1,4 @@
-//! One-line error for an invalid command line: the wrong word, the expected form, and a suggestion. A suggestion is
-//! made only if the command line with it is valid.
+//! One-line error for a bad command line: the wrong word, the expected form, and a suggestion that makes it valid.
 
 use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
@@ -206,7 +205,6 @@ impl Line<'_> {
                 if !is_tried || is_in_name {
                     continue;
                 }
-                // Removes blanks from values like `142, 125, 90, 39`.
                 let blanks = if *from == " " { bare.to_owned() } else { bare.replace(' ', "") };
                 for value in [blanks.replace(from, to), blanks.replace(from, to).to_lowercase()] {
                     let is_new = value != typed && !value.contains(&to.repeat(2));
@@ -235,7 +233,6 @@ fn has(command: &Command, option: &str) -> bool {
     })
 }
 
-/// Quotes a value that is empty or contains blanks.
 fn shown(value: &str) -> String {
     if value.is_empty() || value.contains(char::is_whitespace) { format!("{value:?}") } else { value.to_owned() }
 }

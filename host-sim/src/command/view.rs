@@ -229,7 +229,6 @@ fn has_ffmpeg() -> bool {
     std::process::Command::new("ffmpeg").arg("-version").output().is_ok()
 }
 
-/// Answers requests of the page that need the options of the command line.
 struct Desk {
     words: Vec<OsString>,
     pictures: Vec<String>,

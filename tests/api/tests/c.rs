@@ -95,8 +95,7 @@ macro_rules! sizes {
     };
 }
 
-/// Returns C code that compiles only if each struct has the size that it has in this library. It fails if an earlier
-/// header leaves a `#pragma pack` on.
+/// Returns C code that compiles only with each struct's size in this library, so not after a `#pragma pack` left on.
 fn sizes(types: &str) -> String {
     let mut text = String::from(
         "
@@ -147,8 +146,7 @@ SMR_UNPACKED(smr_storage, offsetof(struct smr_storage, storage) == SMR_ALIGNMENT
 "
 }
 
-/// Computes the size of each struct of the header for pointers of 4 and of 8 bytes, by the layout rules of C, which
-/// `repr(C)` follows.
+/// Computes the size of each struct of the header, with pointers of 4 and of 8 bytes, by the layout rules of C.
 fn layouts(types: &str) -> Vec<(&str, [usize; 2])> {
     let mut known =
         BTreeMap::from([("uint8_t", [[1_usize, 1]; 2]), ("uint16_t", [[2, 2]; 2]), ("size_t", [[4, 4], [8, 8]])]);

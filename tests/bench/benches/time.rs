@@ -1,5 +1,4 @@
-//! Time of the most expensive functions on the built-in recording, for every backend of this machine: `cargo bench -p
-//! smr-bench --bench time`.
+//! Time of the most expensive functions, for every backend of this machine: `cargo bench -p smr-bench --bench time`.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use smr_bench::{self as scene, Prepared};

@@ -53,7 +53,6 @@ impl Prepared {
         Self { tracker, frame: synthetic::frame(FIRST + 2) }
     }
 
-    /// Searches the third frame.
     pub fn update(&mut self) -> Answer {
         self.tracker.update(&self.frame.frame()).expect("the frame is whole")
     }

@@ -33,7 +33,6 @@ pub(crate) fn run<T: Fuzzed>(bytes: &[u8], extent: &'static Extent) -> Result<()
 }
 
 impl<T: Fuzzed> Pair<T> {
-    /// Locks new trackers with a configuration from the input.
     fn locked(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Option<Self>> {
         let config = T::configuration(u, extent)?;
         let Ok(any) = Tracker::<T>::with(config) else {
@@ -138,8 +137,7 @@ impl<T: Fuzzed> Pair<T> {
         };
         match locked {
             Ok(_) => assert_eq!(self.any.bbox(), Some(target.into())),
-            // `lock` refuses a part of the frame only if it does not contain the lock window, which was too large to
-            // allocate.
+            // `lock` refuses only a part of the frame that lacks the lock window, which was too large to allocate.
             Err(LockError::LockWindowNotInMemory) => assert_ne!(part.rect, window),
             Err(_) => assert_eq!(before, saved(&self.any)),
         }

@@ -8,7 +8,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// Temporary folder for the input file of a fuzz target.
 struct Place(TempDir);
 
 thread_local! {

@@ -1,5 +1,4 @@
-//! Restores a saved target with changed bytes and a correct checksum. The tracker refuses it, or updates without a
-//! panic.
+//! Restores a saved target with changed bytes and a correct checksum. The tracker refuses it, or updates without panic.
 
 use crate::extent::WIDE;
 use crate::scene::{KINDS, Part, Scene, frame};
@@ -29,7 +28,6 @@ pub(crate) fn run<T: Fuzzed>(bytes: &[u8]) -> Result<()> {
     // A restored target saves as the same bytes. Restoring ignores bytes behind the saved target.
     let again = calls::saved(&tracker).expect("it is locked");
     assert!(saved.starts_with(&again), "what was restored is saved as other bytes");
-    // Takes the frame size from the saved bytes.
     (scene.width, scene.height) = (number(&saved, T::SIZE_AT), number(&saved, T::SIZE_AT + 2));
     follow(&mut tracker, &mut scene, u)
 }
@@ -74,7 +72,6 @@ fn put(saved: &mut [u8], at: usize, bytes: &[u8]) {
     saved.iter_mut().skip(at).zip(bytes).for_each(|(old, &new)| *old = new);
 }
 
-/// Rewrites the length and the checksum.
 fn seal(saved: &mut [u8]) {
     let Some(end) = saved.len().checked_sub(4).filter(|&end| end >= LENGTH.end) else { return };
     let length = u32::try_from(saved.len()).expect("a few thousand");

@@ -54,7 +54,6 @@ fn of<T: Recorded>(config: T::Config, sequence: Sequence, method: CoreKind) -> R
     Ok(bytes)
 }
 
-/// Writes the firmware's input files into `folder`.
 pub fn write(record: &[u8], step: Option<NonZeroU32>, folder: &Path) -> Result<()> {
     fs::write(folder.join("record.smr"), record).context("cannot write record.smr for QEMU")?;
     let step = step.map_or(Ok(()), |step| fs::write(folder.join("step.smr"), step.get().to_le_bytes()));
@@ -80,8 +79,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Parses the firmware's output file in `folder`. Fails if the firmware refused the record or the file has another
-    /// format.
+    /// Parses the firmware's output file in `folder`. Fails if the firmware refused the record, or on another format.
     pub fn of(folder: &Path, record: &[u8]) -> Result<Self> {
         let bytes = fs::read(folder.join("said.smr")).unwrap_or_default();
         let words = |line: &[u8; 64]| {

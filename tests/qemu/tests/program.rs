@@ -16,7 +16,6 @@ use std::process::{Child, Command, Stdio};
 struct Bench(tempfile::TempDir);
 
 impl Bench {
-    /// Makes the folder; `qemu` is the shell script that replaces QEMU.
     fn new(qemu: &str) -> Self {
         let bench = Self(tempfile::tempdir().unwrap());
         bench.program("qemu-system-arm", qemu);

@@ -11,7 +11,6 @@ const LEAST_SIDE: usize = 5;
 /// Margin in pixels around the search window, which gradients at its edge need.
 const MARGIN: i32 = 2;
 
-/// Returns the position within `limits` at which the template fits best.
 pub(super) fn find(
     frame: Image<'_>,
     template: &[u8],
@@ -155,7 +154,6 @@ mod tests {
     use smr_core::{Rect, State};
     use smr_recordings::GrayFrame;
 
-    /// Draws waves of several lengths in a frame of 120x90 pixels, moved by (`dx`, `dy`).
     fn waves(dx: f64, dy: f64) -> GrayFrame {
         rough(dx, dy, 0.0)
     }

@@ -1,8 +1,7 @@
 //! Baselines of the paper's comparison: they share SMR's window, padding, tie rule and template update, not its cost.
 //!
-//! SAD (sum of |F - G|) and SSD (sum of (F - G)^2) take the least cost, NCC the largest correlation coefficient of F
-//! and G, 0 if either is constant. Lucas-Kanade (`flow`) follows gradients instead of a search. A baseline always
-//! answers, is never lost, and its window never grows.
+//! SAD (sum of |F - G|) and SSD (sum of (F - G)^2) take the least cost, NCC the largest correlation of F and G, 0 if
+//! either is constant; Lucas-Kanade (`flow`) follows gradients. Baselines always answer, and their window never grows.
 
 mod flow;
 
@@ -35,7 +34,6 @@ impl Baseline {
         Self { kind, radius, padding, bounds: Rect::default(), size: (0, 0), place: [0.0; 2], template: Vec::new() }
     }
 
-    /// Returns the position of the best score in the window.
     fn search(&self, image: Image<'_>) -> [f64; 2] {
         let (width, height) = self.size;
         let last = Rect::new(floor(self.place[0]), floor(self.place[1]), width, height);
@@ -67,7 +65,6 @@ impl Baseline {
         [x.into(), y.into()]
     }
 
-    /// Returns the position that Lucas-Kanade finds, limited to the window.
     fn flow(&self, image: Image<'_>) -> [f64; 2] {
         let limits = |place: f64, radius: u16, size: u16, frame: u16| {
             let (radius, padding) = (f64::from(radius), f64::from(self.padding));
@@ -182,8 +179,7 @@ impl Spread {
     }
 }
 
-/// Integral images of pixels and of their squares, with one row and one column more than the canvas, so that the sums
-/// of any box need only four entries.
+/// Integral images of pixels and of their squares, one row and column larger than the canvas: a box needs four entries.
 fn integral(canvas: &[u8], stride: usize) -> Vec<[i64; 2]> {
     let mut sums = vec![[0; 2]; stride + 1];
     for row in canvas.chunks_exact(stride) {
@@ -306,7 +302,6 @@ mod tests {
         }
     }
 
-    /// Computes the cost of the box `target` pixel by pixel, as a reference.
     fn plain_cost(kind: MethodKind, frame: &GrayFrame, template: &[u8], target: Rect) -> f64 {
         let rows = (target.y..target.bottom()).flat_map(|y| (target.x..target.right()).map(move |x| frame.level(x, y)));
         let pairs: Vec<(f64, f64)> = rows.zip(template).map(|(f, &g)| (f.into(), g.into())).collect();

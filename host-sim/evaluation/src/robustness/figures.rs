@@ -12,7 +12,6 @@ pub(crate) struct RunFigures {
     pub score: Score,
     /// Counts of the run. Fields that are means stay 0; [`Figures::over_starts`] computes them.
     counts: Figures,
-    /// Frames with an answer in which the target is visible.
     answered_visible: usize,
     updates: u64,
     /// Byte comparisons of all updates; `None` if one update did not count them.
@@ -90,8 +89,7 @@ figures! {
     worst_correct: f64 = mean, "worst" 3;
     /// As `mean_correct`, but a correct frame needs an intersection over union above 0.5.
     mean_correct_50: f64 = mean, "correct@0.5" 3;
-    /// Harmonic mean of precision (correct answers over all answers, also while the target is hidden) and recall
-    /// (correct over visible frames), mean over the starts.
+    /// Harmonic mean of precision (correct answers of all) and recall (correct frames of visible), mean over starts.
     f: f64 = mean, "F" 3;
     /// Mean IoU over the frames with an answer and a visible target; 0 without such frames.
     mean_iou: f64 = mean, "mean IoU" 3;
@@ -119,7 +117,6 @@ figures! {
     microseconds_per_frame: f64 = mean, "us/frame" 0;
 }
 
-/// Formats `part/whole`; unknown if `whole` is 0.
 fn part(part: usize, whole: usize) -> Value {
     (whole > 0).then(|| format!("{part}/{whole}")).into()
 }
@@ -129,7 +126,6 @@ fn mean(parts: impl ExactSizeIterator<Item = f64>) -> f64 {
     ratio(parts.sum(), count)
 }
 
-/// Returns the mean; `None` if one of the parts is missing.
 fn mean_of_all(parts: impl ExactSizeIterator<Item = Option<f64>>) -> Option<f64> {
     let count = parts.len() as f64;
     parts.sum::<Option<f64>>().map(|sum| ratio(sum, count))
@@ -140,8 +136,7 @@ fn sum(parts: impl Iterator<Item = usize>) -> usize {
 }
 
 impl Figures {
-    /// Averages the runs of one recording. Fractions of frames are means over the starts. IoU, precision, comparisons
-    /// and time are means over all frames of all starts.
+    /// Averages runs of a recording: fractions over the starts; IoU, precision, comparisons and time over all frames.
     pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
         let mean = |of: fn(&Score) -> f64| ratio(runs.iter().map(|run| of(&run.score)).sum(), runs.len() as f64);
         let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>() as f64;

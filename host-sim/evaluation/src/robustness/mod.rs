@@ -1,7 +1,6 @@
 //! Robustness: runs each tracker from several starts of a recording and averages.
 //!
-//! A run is scored by the protocol of the TLD recordings from the frame of its start on. Answers are normalised by the
-//! start box and the ground truth of that frame.
+//! A run is scored by TLD's protocol, from its first frame on. The start box and that frame's truth normalise answers.
 
 mod figures;
 mod paired;
@@ -72,8 +71,7 @@ pub fn measure(
     Measured { tables, failures, notes: Vec::new(), is_empty: rows.is_empty() }
 }
 
-/// Returns three tables. First: figures by method and recording. Second: the starts, in the order of the first. Third:
-/// means over all recordings and, if there are several folders, over the recordings of each folder.
+/// Returns tables of figures by method and recording, of starts in that order, and of means (of several folders, too).
 fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     let (figures, origin) = (Head::all(Figures::COLUMNS), Head::all(Origin::COLUMNS));
     let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")]);

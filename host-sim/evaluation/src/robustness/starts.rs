@@ -54,9 +54,8 @@ impl Protocol for Starts {
     }
 }
 
-/// Returns the first `most` of five cases: the given box; the box moved 2 pixels to the right; moved 2 pixels down;
-/// scaled about its centre by 0.95; and by 1.05. Each value is rounded once, after the change, so a small box may stay
-/// as given when it is scaled. All boxes but the given one are cut to the frame.
+/// Returns the first `most` cases of `Starts::Near`, scaled about the centre. Each value is rounded once, after the
+/// change, so a small box may stay as given when it is scaled. All boxes but the given one are cut to the frame.
 fn near(recording: &Recording, most: usize) -> Result<Vec<Case>> {
     let given = recording.init;
     let changed = [

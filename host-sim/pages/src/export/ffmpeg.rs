@@ -72,8 +72,7 @@ impl Ffmpeg {
         self.verdict()
     }
 
-    /// Waits for the end of ffmpeg.
-    /// Errors: ffmpeg failed, or shows no sign of life for longer than `patience`.
+    /// Waits for the end of ffmpeg. Errors: ffmpeg failed, or shows no sign of life for longer than `patience`.
     fn verdict(&self) -> Result<()> {
         let mut is_alive = self.watch();
         let status = self.process.wait_while(|_| is_alive());

@@ -47,8 +47,7 @@ impl Overlay {
         self.width.min(self.height) / 240 + 1
     }
 
-    /// Draws an outline with a dark border, visible on any background. It is outside the box, because targets are
-    /// small.
+    /// Draws an outline with a dark border, visible on any background, outside the box, because targets are small.
     pub fn outline(&mut self, target: &BoundingBox, color: Color) {
         let Some(rect) = target.to_rect() else { return };
         // Clamps coordinates far outside the frame, where lines are invisible, against overflow.
@@ -114,7 +113,6 @@ impl Overlay {
         self.picture(place(target.x, most(self.width, width)), place(top, most(self.height, height)), &label);
     }
 
-    /// Draws a picture, enlarged by the factor [`Self::dot`].
     fn picture(&mut self, left: u32, top: u32, picture: &Self) {
         let dot = self.dot();
         for y in 0..picture.height * dot {

@@ -31,8 +31,7 @@ pub struct Film {
 }
 
 enum Way {
-    /// A video: ffmpeg (started by the first frame), its output file and its options. Fields drop in order, so that
-    /// ffmpeg ends before the file is removed.
+    /// ffmpeg (once started), output, options. Fields drop in order, so that ffmpeg ends before the file is removed.
     Video(Option<Ffmpeg>, Output, &'static [&'static str]),
     Pictures(Folder),
 }
@@ -161,7 +160,6 @@ impl Timeline {
         self.first.map_or((1, 25), |first| first.base)
     }
 
-    /// Returns the time of the first frame in the recording, in seconds; `None` if the recording has no times.
     fn start(&self) -> Option<f64> {
         self.first.map(|first| first.seconds())
     }
@@ -223,7 +221,6 @@ mod tests {
         if !crate::missing::has_ffmpeg("a_video_is_decoded_again") {
             return;
         }
-        // The videos have even sides, because chroma is stored at half the size.
         for name in ENDINGS.map(|ending| format!("film.{ending}")) {
             let out = above.path().join(&name);
             filmed(&out);

@@ -1,5 +1,4 @@
-//! Writes a recording as files for host-sim, other programs and firmware, or in the layout of the toolkit of VOT, OTB
-//! or GOT-10k:
+//! Writes a recording as files for host-sim, other programs and firmware, or in the layout of a toolkit:
 //!
 //! | toolkit | frames | boxes | besides |
 //! |---|---|---|---|
@@ -195,8 +194,7 @@ fn picture(format: Format, number: usize) -> String {
     }
 }
 
-/// Returns (name, text) of a toolkit's files besides the pictures; the first contains all boxes. `boxes` has an entry
-/// for each frame or, without ground truth, only the start box.
+/// Returns (name, text) of a toolkit's text files, boxes first. Without ground truth `boxes` has only the start box.
 fn files(
     format: Format,
     name: &str,
@@ -271,7 +269,6 @@ mod tests {
 
     const FRAMES: usize = 5;
 
-    /// Returns the box of each frame; `None` in the fourth, where the target counts as hidden.
     fn truth() -> Vec<Option<BoundingBox>> {
         (0..FRAMES).map(|frame| synthetic::truth(frame).filter(|_| frame != 3)).collect()
     }

@@ -1,5 +1,4 @@
-//! Absolute differences |F - G| between the pixels of the best patch F and of the template G, and a picture of the
-//! differences. Pixels that count (below the threshold alpha) are green in the picture.
+//! Absolute differences |F - G| between the pixels of the best patch F and of the template G, and a picture of them.
 
 use crate::colors::Color;
 use crate::encode::palette_png;

@@ -206,8 +206,7 @@ impl Film {
         Ok(())
     }
 
-    /// Returns the scores of all methods and result files; `None` without ground truth.
-    /// Errors: The ground truth has another length than the film.
+    /// Returns the scores of all methods and result files; `None` without ground truth. Errors: It has another length.
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };
         let score = |(index, variant): (usize, &Variant)| {

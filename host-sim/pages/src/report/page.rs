@@ -113,9 +113,8 @@ fn lead(film: &Film) -> Result<Option<String>> {
     Ok(letters.next().map(|first| first.to_uppercase().to_string() + letters.as_str() + "."))
 }
 
-/// Finds the longest run of frames in which `other` is wrong while `best` is correct, ignoring frames in which the
-/// target is hidden. Returns the run's first frame, and true if `other` is *lost* in most of the run; `None` if the run
-/// is short. Errors: The ground truth has another length than the film.
+/// Finds the longest run of frames, hidden ones aside, in which `other` is wrong and `best` correct. Returns its first
+/// frame, and true if `other` is mostly *lost*; `None` if it is short. Errors: Ground truth of another length.
 pub(super) fn longest_failure(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
     let Some(truth) = &film.truth else { return Ok(None) };
     let of = |method: usize| overlaps(&film.trajectory(method), truth);

@@ -11,8 +11,7 @@ use serde_json::{Value, json};
 use smr_evaluation::{Evidence, Report, centre_errors, name_of, overlaps};
 use smr_recordings::BoundingBox;
 
-/// Returns the JSON of all films, with `<` escaped so that no text can end the enclosing HTML element.
-/// Errors: The ground truth has another length than the film.
+/// Returns all films as JSON, with `<` escaped, as it could end the element. Errors: Ground truth of another length.
 pub(super) fn data(films: &[Film]) -> Result<String> {
     let recordings = films.iter().map(recording).collect::<Result<Vec<_>>>()?;
     let data = json!({ "bar": BAR, "bars": BARS, "recordings": recordings });
@@ -31,7 +30,6 @@ fn recording(film: &Film) -> Result<Value> {
         "margin": margin,
         "first": film.first,
         "frames": film.moments.len(),
-        // Null if no time is known.
         "times": film.times.iter().any(Option::is_some).then(|| rounded(film.times.iter().copied(), 3)),
         "parting": failure.map(|(index, _)| index + film.first),
         "targets": film.targets.iter().map(|target| target_of(film, target)).collect::<Vec<_>>(),

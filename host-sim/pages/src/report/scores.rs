@@ -18,11 +18,9 @@ struct Scored {
     curves: Curves,
 }
 
-/// An entrant (a method or a result file) with its scores in each recording.
 type Row<'a> = (&'a Entrant, Vec<Option<&'a Scored>>);
 
-/// Returns the values to average over the recordings, except recordings in which the target is never visible. `None` if
-/// any recording lacks a score.
+/// Returns values to average over recordings in which the target is ever visible; `None` if any lacks a score.
 fn known<'a, T>(scored: &[Option<&'a Scored>], of: impl Fn(&'a Scored) -> T) -> Option<Vec<T>> {
     let known = scored.iter().filter(|one| one.is_none_or(|one| one.score.visible > 0));
     known.map(|one| Some(of((*one)?))).collect()
@@ -99,10 +97,7 @@ fn table(
     lines: &[(&Entrant, Vec<Option<f64>>)],
 ) -> Value {
     let best = |column: usize| lines.iter().filter_map(|(_, values)| values[column]).max_by(f64::total_cmp);
-    let column = |(at, (title, digits, ranked))| {
-        // A single entrant is not marked as the best.
-        json!({ "title": title, "digits": digits, "best": best(at).filter(|_| ranked && lines.len() > 1) })
-    };
+    let column = |(at, (title, digits, ranked))| json!({ "title": title, "digits": digits, "best": best(at).filter(|_| ranked && lines.len() > 1) });
     let line = |(entrant, values): &(&Entrant, Vec<_>)| json!({ "entrant": entrant, "values": values });
     json!({
         "caption": caption,

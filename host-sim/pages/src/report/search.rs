@@ -96,8 +96,7 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Obs
     Ok((report, Observation { bbox: answer.bbox.into(), search: Some(search) }))
 }
 
-/// Updates the tracker and repeats its comparison: samples its box on the tracker's grid, and adapts the early template
-/// (of the first frames) to the brightness of the sample.
+/// Updates the tracker and repeats its comparison: the box's sample with the early template at that brightness.
 fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Observation)> {
     let grid = tracker.target().grid().context("there is no grid yet")?;
     let early = tracker.target().early_template().context("there is no early template yet")?;

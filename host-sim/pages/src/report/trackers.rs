@@ -1,5 +1,4 @@
-//! The entrants of a report: the methods that ran, then the result files of other trackers. Each has titles and a look:
-//! a color and dashes that distinguish its boxes and curves.
+//! The entrants of a report: methods that ran, then other trackers' result files, with titles, colors and dashes.
 
 use super::film::Film;
 use crate::colors::{Color, TRUTH};
@@ -109,9 +108,8 @@ const CONTRAST: f64 = 3.0;
 #[derive(Serialize)]
 pub(super) struct Look {
     color: Color,
-    /// `color`, darkened as little as the contrast on a light page requires.
+    /// `color`, darkened or lightened as little as the contrast on a light or a dark page requires.
     on_light: Color,
-    /// `color`, lightened as little as the contrast on a dark page requires.
     on_dark: Color,
     dashes: &'static [u8],
 }
@@ -135,7 +133,6 @@ pub(super) fn color_of_method(kind: MethodKind) -> Color {
     METHODS[look_of_method(kind)].1
 }
 
-/// Returns the index in [`looks`] of a result file; colors repeat.
 const fn look_of_file(index: usize) -> usize {
     METHODS.len() + index % FILES.len()
 }

@@ -42,7 +42,6 @@ impl Reading {
         Ok(())
     }
 
-    /// Marks the target as gone from `frame` on, if its last lock has a box.
     fn leave(&mut self, frame: usize) {
         if self.locks.last().is_some_and(|last| last.bbox.is_some()) {
             self.locks.push(Lock::new(frame, None));
@@ -92,8 +91,7 @@ fn of_csv(text: &str) -> Result<Vec<Reading>> {
     Ok(all)
 }
 
-/// Parses CVAT XML for video. A key frame of a track becomes a lock or, with `outside`, marks the target as gone.
-/// Boxes with `source="auto"` are trackers' answers and are skipped.
+/// Parses CVAT XML for video: a key frame is a lock or, with `outside`, the target's end; trackers' boxes are skipped.
 fn of_cvat(text: &str) -> Result<Vec<Reading>> {
     let mut all: Vec<Reading> = Vec::new();
     for (line, tag) in tags(text) {

@@ -1,6 +1,5 @@
 //! Runs the trackers of the window in a thread, and stores their answers. A [`Segment`] contains a target's answers
-//! from one lock (a box that the user drew) to the next. A correction creates one new segment; the other segments keep
-//! their answers. Unused segments are kept for undo.
+//! from one lock (a box that the user drew) to the next. A correction creates one segment; unused ones are for undo.
 //!
 //! The thread reads from the earliest frame that lacks an answer; after a lock in an earlier frame, it starts again
 //! there. If frames end or fail, segments that need later frames wait for the next change.
@@ -164,7 +163,6 @@ impl Task {
 }
 
 impl State {
-    /// Returns the segments of all targets, each with its exclusive end frame.
     fn plan(&self) -> impl Iterator<Item = (Key, usize)> + '_ {
         self.targets.iter().flat_map(|target| planned(target, self.settings_index))
     }
@@ -196,8 +194,7 @@ impl State {
         })
     }
 
-    /// Assigns new log positions to answers in frame `part.from` and later, so that pages load them again. Answers
-    /// after `part.to` in the same segment are included, because positions ascend within a segment.
+    /// Gives answers from `part.from` on new log positions, even after `part.to`: positions ascend within a segment.
     fn renew_positions(&mut self, part: TargetSpan) {
         self.log.void(part);
         let Self { targets, segments, log, settings_index, .. } = self;
@@ -365,10 +362,9 @@ impl Followed {
         (rows, to)
     }
 
-    /// Replaces the targets; only changed frame ranges are tracked again. `revision` is the latest revision that the
-    /// page has seen, if it sent one. Returns the new revision.
-    /// Errors: A box without pixels, two locks of a target in one frame, a target marked gone while it has no box, a
-    /// frame that does not exist or that a camera no longer keeps, or targets that another page has changed meanwhile.
+    /// Replaces the targets, tracks only changed frame ranges again, and returns the new revision; `revision` is the
+    /// latest that the page has seen. Errors: A box without pixels, two locks of a target in one frame, a target gone
+    /// without a box, a frame that is not there or no longer kept, or targets that another page has changed.
     pub(super) fn set_targets(&self, targets: Vec<Target>, revision: Option<u64>, source: &dyn Source) -> Result<u64> {
         let (known, oldest) = (source.known().frames, source.oldest());
         self.change(|state| {
@@ -434,8 +430,7 @@ impl Followed {
         self.change(|state| tell(&mut state.log));
     }
 
-    /// Waits at most `patience` for changes after log position `since`. If there are more than [`PORTION`] answers, it
-    /// returns only their ranges, and the page requests them in parts.
+    /// Waits at most `patience` for changes after `since`; of more than [`PORTION`] answers, returns only ranges.
     pub(super) fn wait_for_changes(&self, since: u64, patience: Duration) -> Changes {
         let mut state = self.state();
         let begin = Instant::now();

@@ -131,8 +131,7 @@ impl Made {
         Ok(())
     }
 
-    /// Waits for the program to end, and counts its output lines as progress.
-    /// Errors: The program's error message, if it fails.
+    /// Waits for the program to end; its output lines are progress. Errors: The program's error message, if it fails.
     fn watch(&self, process: &Process, id: u32, lines: usize, tell: &impl Fn(u32)) -> Result<()> {
         let said = process.said();
         let printed = process.output().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok);

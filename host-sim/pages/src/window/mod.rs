@@ -1,5 +1,4 @@
-//! The window of `host-sim view`: a browser page, served to this machine only, on which the user tracks targets in a
-//! recording, inspects the answers and corrects them.
+//! The window of `host-sim view`: a page, served to this machine only, on which the user tracks and corrects targets.
 //!
 //! ```text
 //! page  -- targets, requests -->  routes  -->  following: a thread that reads frames and asks the trackers

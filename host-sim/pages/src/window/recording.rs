@@ -1,6 +1,5 @@
-//! A recording as the frame source of `host-sim view`. Any frame is available as a JPEG: recent frames are cached, and
-//! the frames after them are decoded in order. Recent frames at full resolution are cached, too. A recording that is
-//! still being written is reopened when it has grown.
+//! A recording as the frame source of `host-sim view`: any frame as a JPEG. Recent frames are cached, also at full
+//! resolution; later ones are decoded in order. A recording that is still being written is reopened when it has grown.
 
 use super::frame_cache::FrameCache;
 use super::{Known, SIDE, Source, lock};

@@ -26,7 +26,6 @@ const GATHERING: Duration = Duration::from_millis(40);
 
 /// Requests of a page that need the options of the command line.
 pub trait Requests: Send + Sync {
-    /// Returns a tracking method with the given options.
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
 
     /// Returns the name and the content of a file with the boxes of all targets.
@@ -199,8 +198,7 @@ impl Window {
         })
     }
 
-    /// Returns the changes after log position `since`. If there are many answers, it returns only their frame ranges,
-    /// and the page requests the answers from the route `answers`. With `wait=0` it returns at once.
+    /// Returns changes after `since`, with `wait=0` at once; of many answers only the ranges, for route `answers`.
     fn news(&self, query: &str) -> Result<Value> {
         let since = number(query, "since")?;
         let patience = if value(query, "wait") == Some("0") { Duration::ZERO } else { PATIENCE };
@@ -260,7 +258,6 @@ impl Window {
         Reply::error(404, &said)
     }
 
-    /// Returns a cropped part of a frame at full resolution, as PNG.
     fn part(&self, name: &str, query: &str) -> Result<Reply> {
         let numbers = value(query, "part").and_then(|part| part.split(',').map(|number| number.parse().ok()).collect());
         let part = numbers.and_then(|numbers: Vec<i32>| numbers.try_into().ok()).context("expected ?part=X,Y,W,H")?;
@@ -283,7 +280,6 @@ fn json_reply(value: &Value) -> Reply {
     Reply::new("application/json", value.to_string())
 }
 
-/// Returns a reply whose body the browser saves as a file of this name.
 fn saved((name, bytes): (String, Vec<u8>)) -> Reply {
     Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
 }

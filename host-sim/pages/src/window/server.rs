@@ -1,7 +1,6 @@
 //! A server for one user on this machine: HTTP on the loopback address, for clients that know a random token.
 //!
-//! Any web page that the user has open can send requests to a port of this machine. Therefore a request is answered
-//! only if
+//! Any page that the user has open can send requests to a port of this machine. So a request is answered only if
 //!
 //! - its path begins with the token, 128 random bits that are part of the address printed by host-sim;
 //! - its `Host` is this server (a foreign page whose domain resolves to 127.0.0.1 sends its own domain);
@@ -223,7 +222,6 @@ mod tests {
     /// Size in bytes of a reply that exceeds the socket buffers of any system.
     const LARGE: usize = 64 << 20;
 
-    /// Starts a server that replies with the request's path. Returns its address and its token.
     fn served() -> (SocketAddr, String) {
         let server = Server { patience: Duration::from_secs(1), ..Server::bind().unwrap() };
         let place = (SocketAddr::from((Ipv4Addr::LOCALHOST, server.port)), server.token.clone());

@@ -1,5 +1,4 @@
-//! The session of a window: the user's targets, method and shown frame, saved in a JSON file beside the recording. The
-//! file is rewritten after each change.
+//! A window's session: the user's targets, method and shown frame, saved as JSON beside the recording at each change.
 
 use super::{Target, lock};
 use anyhow::{Context, Result, anyhow, ensure};

@@ -66,7 +66,6 @@ struct Candidate {
     /// Contrast of the search window in gray levels, and gain from the early template's contrast to the patch's.
     window: f64,
     gain: f64,
-    /// True if the patch has enough contrast to show the target.
     can_show: bool,
 }
 
@@ -158,8 +157,7 @@ impl Reference {
             all.extend(self.other_scales(centre.scale).map(larger));
         }
         if let Some(refiner) = &self.refiner {
-            // Upper bound of the target's move: search radius + 1 cell, alignment margin, 2 pixels, all at the larger
-            // scale.
+            // Upper bound of the move, at the larger scale: search radius + 1 cell, alignment margin, 2 pixels.
             let [_, larger] = self.other_scales(centre.scale);
             let by = to_f64((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
             let target = Place { scale: larger, ..centre }.bbox(self.target_size);
@@ -320,7 +318,6 @@ impl Reference {
         Some(step.growth)
     }
 
-    /// Next smaller and next larger scale.
     fn other_scales(&self, scale: f64) -> [f64; 2] {
         let Numbers { scale_step, .. } = self.numbers;
         [self.limited(scale / scale_step), self.limited(scale * scale_step)]
@@ -363,7 +360,6 @@ impl Reference {
     }
 }
 
-/// Smallest region that contains `a` and `b`; a region is left, top, right, bottom.
 fn union(a: [i64; 4], b: [i64; 4]) -> [i64; 4] {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }

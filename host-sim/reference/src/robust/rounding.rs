@@ -1,5 +1,4 @@
-//! Rounding to fixed-point grids. A grid is given by its steps per unit, a power of two. Values on a grid, and their
-//! sums and products, which stay below 2^53, are exact in f64.
+//! Rounding to fixed-point grids of 2^n steps per unit. Values, sums and products stay below 2^53, so are exact in f64.
 
 pub(super) use crate::paper::index;
 

@@ -122,8 +122,7 @@ impl Lattice {
         [left, top, right, bottom]
     }
 
-    /// Blocks of pixels that are averaged before interpolation. The side doubles until the mean sampling step is
-    /// shorter than two sides of a block.
+    /// Blocks averaged before interpolation: the side doubles until the mean step is shorter than two sides.
     fn block(&self, numbers: &Numbers) -> Block {
         let mut side = 1;
         while (self.step + self.step_down) / 2.0 / to_f64(side) >= 2.0 {
@@ -146,7 +145,6 @@ impl Block {
         Self { side, read: (0..parts).map(middle).collect() }
     }
 
-    /// Mean offset of the pixels that are read.
     fn middle(&self) -> f64 {
         mean(self.read.iter().map(|&at| to_f64(at)))
     }

@@ -15,7 +15,6 @@ pub(super) struct Tracks {
 #[derive(Clone, Default)]
 struct Track {
     boxes: String,
-    /// The last box in which the target was visible.
     last: Option<BoundingBox>,
     is_outside: bool,
     is_gone: bool,

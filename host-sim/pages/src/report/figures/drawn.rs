@@ -86,8 +86,7 @@ pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(top + PLOT + 3.0 * LINE))
 }
 
-/// Returns the difference from the template in a box at the true centre. The box keeps the offset that the start box
-/// had from the first true box.
+/// Returns the difference from the template in a box at the true centre, with the start box's offset from it.
 fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference> {
     let start = BoundingBox::from(film.targets[0].start()).centre();
     let first = film.truth_at(0).map_or(start, |first| first.centre());

@@ -1,5 +1,4 @@
-//! The paper's five figures, which compare SMR with SAD, for any recording. A recording is tracked twice: first to
-//! choose the frames to show, then to keep their pictures.
+//! The paper's five figures, SMR beside SAD, for any recording, tracked twice: to choose frames, and to keep them.
 
 mod drawn;
 mod sheet;
@@ -50,8 +49,7 @@ pub struct Plan {
 
 impl Plan {
     /// Chooses the frames of a figure. The user may name the `frame` of boxes and differences (an index from 0), and
-    /// the frames in which the target is `hidden`.
-    /// Errors: The recording, or its ground truth, lacks what the figure needs.
+    /// the `hidden` frames. Errors: The recording, or its ground truth, lacks what the figure needs.
     pub fn new(figure: Figure, film: &Film, frame: Option<usize>, hidden: Option<FrameRange>) -> Result<Self> {
         let plan = || {
             let mut hides = (0, 0);
@@ -136,8 +134,7 @@ fn overlap(film: &Film, method: usize, index: usize) -> Option<f64> {
     Some(film.moments[index].reports[method].target.map_or(0.0, |target| target.iou(&truth)))
 }
 
-/// Returns the frames around the target's exit: the last before it, the one with the box farthest outside, the first in
-/// which the target is lost, and the first in which it is wholly inside again.
+/// Returns the frames around the exit: last before it, box farthest outside, first *lost*, first wholly inside again.
 fn leaving_frames(film: &Film) -> Result<Vec<usize>> {
     let state = |index: usize| film.moments[index].reports[SMR].state;
     let leaving = (1..film.moments.len()).filter(|&index| state(index) == State::Leaving);
@@ -197,7 +194,6 @@ fn hidden_frames(film: &Film, (first, last): (usize, usize)) -> Vec<usize> {
     frames
 }
 
-/// Returns the first and the last frame of the plot around an occlusion.
 fn around(film: &Film, (first, last): (usize, usize)) -> (usize, usize) {
     (first.saturating_sub(AROUND), (last + AROUND).min(film.moments.len() - 1).max(first + 1))
 }

@@ -83,7 +83,6 @@ impl Sheet {
         self.0.push(format!("<rect {} {look}/>", place(at, size)));
     }
 
-    /// Draws a picture, as large as fits in the size `within`.
     fn picture(&mut self, at: Pair, within: Pair, look: &str, uri: &str) {
         let place = place(at, within);
         self.0.push(format!(r#"<image {place} preserveAspectRatio="xMinYMin"{look} href="{uri}"/>"#));

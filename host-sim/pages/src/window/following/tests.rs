@@ -82,7 +82,6 @@ impl Running {
         Self { followed, scene, position: 0 }
     }
 
-    /// Collects all messages and answers until no answer is missing.
     fn heard(&mut self) -> (Vec<String>, Vec<(u32, usize, Row)>) {
         let (mut said, mut rows) = (Vec::new(), Vec::new());
         loop {
