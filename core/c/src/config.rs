@@ -109,7 +109,6 @@ pub struct smr_method {
 }
 
 impl smr_config {
-    /// A configuration without a tracker: NULL and zeroes.
     // SAFETY: every field is a pointer or a number.
     pub(crate) const EMPTY: Self = unsafe { core::mem::zeroed() };
 

@@ -102,8 +102,6 @@ impl smr_part {
 }
 
 impl smr_frame {
-    /// Converts to a frame of `smr-core` for a tracker whose memory is `taken`.
-    ///
     /// # Safety
     /// As for [`smr_part::image`], for both parts.
     pub(crate) unsafe fn frame<'a>(&self, taken: &[Range<usize>; 2]) -> Result<Frame<'a>, smr_status> {

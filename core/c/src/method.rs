@@ -29,7 +29,6 @@ pub(crate) trait Method: Target + 'static {
     const EMPTY: Self;
     const EMPTY_WORKSPACE: Self::Workspace;
 
-    /// The settings of this tracker in `config`.
     fn configuration(config: &smr_config) -> Self::Config;
 
     fn known(&mut self) -> Known<'_>;
@@ -95,7 +94,6 @@ struct Stored<T: Method> {
     own: OwnTracker<T>,
 }
 
-/// A target, and the address of its workspace.
 struct OwnTracker<T: Method> {
     workspace: *mut Scratch<T>,
     target: T,
@@ -178,7 +176,6 @@ impl<T: Method> OwnTracker<T> {
     }
 }
 
-/// Completes an update whose steps are done, and writes its answer.
 #[inline(never)] // keeps its stack out of that of a step
 fn conclude<T: Method>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>, out: &Out<smr_answer>) {
     out.write(calls::commit(target, workspace, frame).into());

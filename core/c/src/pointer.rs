@@ -18,8 +18,6 @@ pub(crate) fn check<T>(pointer: *const T) -> Result<(), smr_status> {
     Ok(())
 }
 
-/// A copy of the value at `from`.
-///
 /// # Safety
 /// A `from` that passes [`check`] points to a `T`.
 pub(crate) unsafe fn read<T: Copy>(from: *const T) -> Result<T, smr_status> {
@@ -70,7 +68,6 @@ pub(crate) fn check_bytes(bytes: *const u8, size: usize, taken: &[Range<usize>; 
     Ok(())
 }
 
-/// The addresses of `size` bytes from `start` on.
 pub(crate) fn range<T: ?Sized>(start: *const T, size: usize) -> Range<usize> {
     let start = start.addr();
     start..start.saturating_add(size)

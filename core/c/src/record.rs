@@ -65,7 +65,6 @@ impl smr_recorder {
     }
 }
 
-/// Forwards each call to the tracker, and records it.
 impl Tracked for smr_recorder {
     fn known(&mut self) -> Known<'_> {
         self.own().known()

@@ -195,8 +195,6 @@ pub(crate) fn name_in_c(name: &str) -> *const c_char {
     known.map_or(if name == "table" { c"table".as_ptr() } else { c"parts".as_ptr() }, |name| name.as_ptr().cast())
 }
 
-/// Dereferences a configuration and its `method`.
-///
 /// # Safety
 /// A `config` that passes `pointer::check` points to one that outlives the result. Its method is NULL or from a preset.
 pub(crate) unsafe fn deref<'a>(config: *const smr_config) -> Result<(&'a smr_config, &'static smr_method), smr_status> {

@@ -124,12 +124,10 @@ pub extern "C" fn smr_status_name(status: i32) -> *const c_char {
     known.map_or(c"SMR_ERROR_UNKNOWN".as_ptr(), |name| name.as_ptr().cast())
 }
 
-/// The return value of an exported function.
 pub(crate) fn status_of(result: Result<(), smr_status>) -> smr_status {
     result.err().unwrap_or(SMR_OK)
 }
 
-/// Converts the errors of smr-core to statuses.
 macro_rules! statuses_of_errors {
     ($($error:ident { $($reason:ident => $status:ident),+ $(, ..$rest:tt)? })+) => {
         $(impl From<$error> for smr_status {

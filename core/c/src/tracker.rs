@@ -54,7 +54,6 @@ macro_rules! each {
 }
 pub(crate) use each;
 
-/// An event for the recorder.
 #[derive(Clone, Copy)]
 pub(crate) enum Event<'a> {
     Begin,
@@ -68,7 +67,6 @@ pub(crate) enum Event<'a> {
 
 /// The calls on a tracker of either type.
 pub(crate) trait Tracked {
-    /// The target with its concrete type, for calls that are not methods of this trait.
     fn known(&mut self) -> Known<'_>;
     /// The addresses of the storage and of the workspace.
     fn memory(&self) -> [Range<usize>; 2];
@@ -77,7 +75,6 @@ pub(crate) trait Tracked {
     fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: u32) -> Result<(), smr_status>;
     /// Writes the answer to `out`, because a returned answer would be on the stack twice.
     fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status>;
-    /// Cancels a call in steps that is under way.
     fn cancel(&mut self);
     /// Passes an event to the recorder, if there is one.
     fn record(&mut self, _: &Event<'_>) {}
@@ -93,7 +90,6 @@ pub(crate) trait Tracked {
 #[cfg(feature = "unstable")]
 pub(crate) type ResponseMap = [[i32; 17]; 17];
 
-/// Repeats a step until no work is left.
 pub(crate) fn repeat_until_done(mut step: impl FnMut() -> Result<(), smr_status>) -> Result<(), smr_status> {
     loop {
         match step() {

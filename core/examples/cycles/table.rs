@@ -64,7 +64,6 @@ fn draw(number: u16, window: Rect, sweep: Option<Rect>, pixels: &mut [u8; PIXELS
     frame.and_window(second, sweep).map_err(|_| OUTSIDE)
 }
 
-/// Draws the part of the frame in `window`.
 fn paint(number: u16, window: Rect, pixels: &mut [u8]) {
     let [left, top] = [window.x, window.y].map(|place| u16::try_from(place).unwrap_or(0));
     for (row, y) in pixels.chunks_exact_mut(window.width.max(1).into()).zip(top..) {

@@ -71,7 +71,6 @@ mod firmware {
         }
     }
 
-    /// Follows the target and writes its flight record with `write`.
     #[inline(never)] // so that only one tracker is on the stack
     fn follow<T: Recorded>(
         name: &str,

@@ -222,7 +222,6 @@ pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
     smr_recordings::recordings(&paths).map_err(refused)
 }
 
-/// The tracker's configuration for a measurement, under `name`.
 fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     let target = &*tracker.target()?;
     let (configs, mut options): (Configs, _) = each!(target, of => ((*of.config()).into(), options::all(of.config())));

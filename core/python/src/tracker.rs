@@ -38,7 +38,6 @@ pub struct Paper;
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
 
-/// Converts a box of four numbers to a `Rect` in whole pixels.
 fn rect(value: &Bound<'_, PyAny>) -> PyResult<Rect> {
     bounding_box(value)?.pixels().map_err(|what| PyValueError::new_err(format!("the box {what}")))
 }

@@ -117,7 +117,6 @@ impl Format {
         (top.saturating_mul(lines), top.saturating_add(window.height).saturating_mul(lines))
     }
 
-    /// Converts the pixels of sensor line `y` that lie in `window`.
     fn push(self, y: u16, bytes: &[u8], window: Rect, pixels: &mut [u8]) {
         let (start, end) = self.lines_of(window);
         if !(start..end).contains(&y) {

@@ -115,7 +115,6 @@ pub(super) fn cut(which: u16, threshold: u16) -> CutTable {
     cut
 }
 
-/// `length` bytes at the end of the memory if `last`, else at its start.
 fn part(memory: &[u8], last: bool, length: usize) -> &[u8] {
     if last { &memory[memory.len() - length..] } else { &memory[..length] }
 }
@@ -135,7 +134,6 @@ fn picture(memory: &[u8], last: bool, (width, height): (u16, u16), stride: usize
     Image::with_stride(part(memory, last, bytes), width, height, stride).unwrap()
 }
 
-/// The sum of `of(f, g)` over all pairs of pixels.
 fn sum(patch: Image<'_>, template: Image<'_>, of: impl Fn(u8, u8) -> u32) -> u32 {
     let of_row = |y| patch.row(y).iter().zip(template.row(y)).map(|(&f, &g)| of(f, g)).sum::<u32>();
     (0..template.height()).map(of_row).sum()
@@ -304,7 +302,6 @@ pub(super) fn ranges(backend: Backend, areas: &mut Areas<'_>) {
     ranges_of_rows(backend, areas);
 }
 
-/// Checks a row of pixel ranges in the encoding of the backend.
 fn ranges_are_right(backend: Backend, threshold: u16, rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
     let (last, half) = ((threshold - 1) as u8, (threshold / 2) as u8);
     for (at, given) in low.iter().copied().zip(high.iter().copied()).enumerate() {

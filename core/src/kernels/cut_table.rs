@@ -81,7 +81,6 @@ impl CutTable {
         &self.entries
     }
 
-    /// Constants for upper bounds of scores. The bounds sum bytes instead of looking up entries.
     #[cfg(any(smr_dsp, smr_helium))]
     #[inline]
     pub(super) const fn points(&self) -> &Points {

@@ -174,7 +174,6 @@ pub(crate) struct Lookup<V, const SEGMENT: usize, const SEGMENTS: usize> {
     pub(crate) segments: usize,
     /// The largest difference below the threshold, if there is one.
     pub(crate) last: Option<u8>,
-    /// Decides how often the bound `candidates` is computed.
     pub(crate) candidates: Effort,
     vector: PhantomData<V>,
 }
@@ -692,7 +691,6 @@ fn widen<V: Neighbours>(low: V, high: V, last: V) -> (V, V) {
     (low_less_half, V::minus(V::raised(high, last), low_less_half))
 }
 
-/// Applies [`widen`] to all ranges of a row.
 #[inline(always)]
 pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
     for (low, high) in low.iter_mut().zip(high) {

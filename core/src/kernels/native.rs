@@ -105,7 +105,6 @@ impl<'a> ScaledSums<'a> {
         Self { weights: sums, factor: 0, sums, left: 0 }
     }
 
-    /// Returns the largest absolute value.
     #[inline(never)]
     pub(crate) fn largest(self) -> u32 {
         let Self { weights, factor, sums, left } = self;

@@ -82,12 +82,10 @@ fn pursuit(config: PursuitConfig, errors: [Option<ErrorKind>; 3], max_duty: u16)
     Pursuit::new(config, pan, tilt, indicator)
 }
 
-/// Takes the values written to the pan, tilt and indicator pins since the last call.
 fn written(pursuit: &mut Pins) -> [Vec<u16>; 3] {
     [&mut pursuit.pan.pin, &mut pursuit.tilt.pin, &mut pursuit.indicator].map(|pin| core::mem::take(&mut pin.written))
 }
 
-/// An answer with a 20x20 box centred at (`x`, `y`).
 fn answer(state: State, x: i32, y: i32) -> Answer {
     let bbox = Rect::new(x - 10, y - 10, 20, 20);
     Answer {

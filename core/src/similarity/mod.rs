@@ -44,7 +44,6 @@ pub(crate) fn score_at_least(
     }
 }
 
-/// The score of a box that is partly or wholly outside the frame.
 #[cold]
 #[inline(never)] // keeps it out of the usual case, which is inlined
 fn score_at_border(

@@ -47,7 +47,6 @@ fn picture(x: i32, y: i32) -> Vec<u8> {
     })
 }
 
-/// The pixels of a picture with the gray level `level(x, y)`.
 pub(super) fn drawn((width, height): (u16, u16), mut level: impl FnMut(i32, i32) -> u8) -> Vec<u8> {
     (0..height.into()).flat_map(|y| (0..width.into()).map(move |x| (x, y))).map(|(x, y)| level(x, y)).collect()
 }
@@ -60,7 +59,6 @@ fn whole(pixels: &[u8]) -> Frame<'_> {
     of_size(pixels, SIZE)
 }
 
-/// The frame with only one window in memory.
 pub(super) fn cut<'a>(frame: &Frame<'a>, window: Rect) -> Frame<'a> {
     let Rect { width, height, .. } = frame.bounds();
     Frame::part(frame.patch(window).unwrap(), window.x as u16, window.y as u16, width, height).unwrap()

@@ -13,7 +13,6 @@ pub struct Seal(());
 
 pub(super) const SEAL: &Seal = &Seal(());
 
-/// The call that is under way in a workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)] // `Nothing` is 0, so that a workspace in a `static` begins as zeroes
 enum Call {

@@ -12,7 +12,6 @@ use std::path::Path;
 const LINE: u16 = 54_321;
 const SETTING: &str = "early_rate";
 
-/// An error's name, status and text.
 type Error = (&'static str, smr_status, String);
 
 fn error(name: &'static str, error: impl Display + Copy + Into<smr_status>) -> Error {

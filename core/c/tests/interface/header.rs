@@ -37,7 +37,6 @@ fn the_header_and_the_library_agree_on_every_size() {
     assert!(compiles, "{words}");
 }
 
-/// Returns whether a source that includes the header compiles, and the compiler's messages.
 fn compiles(compiler: &str, standard: &str, source: &str) -> (bool, String) {
     let folder = tempfile::tempdir().expect("a folder can be made");
     let file = folder.path().join(if standard.starts_with("c++") { "source.cpp" } else { "source.c" });

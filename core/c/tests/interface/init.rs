@@ -37,7 +37,6 @@ fn below(paint: bool) -> usize {
     (0..DEPTH / LINE).position(used).map_or(0, |first| DEPTH - first * LINE)
 }
 
-/// Returns the result of `work`, and the bytes of stack that it takes.
 fn stack_of<R: Send + 'static>(work: impl FnOnce() -> R + Send + 'static) -> (R, usize) {
     let measure = || {
         below(true);
@@ -59,7 +58,6 @@ fn the_measurement_is_right() {
     assert!((0..2000).contains(&little) && (99_000..102_000).contains(&much), "{little}, {much}");
 }
 
-/// A configuration filled by a preset.
 fn filled(fill: unsafe extern "C" fn(*mut smr_config) -> smr_status) -> smr_config {
     let mut config = MaybeUninit::uninit();
     // SAFETY: there is memory for the configuration, and it is written before it is read.

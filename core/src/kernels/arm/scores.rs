@@ -36,7 +36,6 @@ pub(crate) trait Loops {
 /// The score kernels by the loops `L`, with a similarity table.
 pub(crate) struct Kernels<'a, L> {
     plain: Plain<'a>,
-    /// Decides how often `candidates` computes its bound.
     points: Effort,
     loops: PhantomData<L>,
 }

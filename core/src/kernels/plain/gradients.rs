@@ -49,7 +49,6 @@ impl Sectors {
         }
     }
 
-    /// Computes the channel sums of the cell: the votes of all gradients, and the gray levels.
     #[inline(always)]
     pub(crate) fn sums(&self, gray: u16) -> Sums {
         // A gradient between two directions votes for the upper one by its distance beyond the lower one, and for the

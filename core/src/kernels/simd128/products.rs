@@ -20,7 +20,6 @@ fn vectors(row: usize) -> impl Iterator<Item = (usize, v128)> {
     whole.chain((rest > 0).then(|| (row - LANES, last_lanes(rest))))
 }
 
-/// Mask with all bits set in the last `count` lanes.
 fn last_lanes(count: usize) -> v128 {
     const LAST: [i16; 2 * LANES] = [0, 0, 0, 0, 0, 0, 0, 0, -1, -1, -1, -1, -1, -1, -1, -1];
     // SAFETY: the vector begins at most at the ninth number of sixteen.

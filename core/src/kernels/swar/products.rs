@@ -244,8 +244,6 @@ impl Slide<i16> {
 macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
         impl Slide<i16> {
-            /// Adds to n neighbouring sums as [`Slide::add`] does, and returns n.
-            ///
             /// # Safety
             /// As [`Slide::add`], for n sums.
             #[inline(never)]
@@ -304,8 +302,6 @@ macro_rules! slide {
 macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
         impl Slide<i16> {
-            /// Adds to n neighbouring sums as [`Slide::add`] does, and returns n.
-            ///
             /// # Safety
             /// As [`Slide::add`], for n sums.
             #[inline(never)]

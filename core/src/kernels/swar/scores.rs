@@ -271,8 +271,6 @@ unsafe fn row_distance(f: *const u8, g: *const u8, width: usize) -> u32 {
     unsafe { row_sum(f, g, width, |f, g| f.abs_diff(g).into()) }
 }
 
-/// The sum of `of(f, g)` over `width` pairs of pixels.
-///
 /// # Safety
 /// As for [`row_score`].
 #[inline(always)]

@@ -45,7 +45,6 @@ impl<V> Lookup<V> {
     }
 }
 
-/// Replaces each segment of a half, except the first, by its xor with the segment before it.
 fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
     for half in plane.chunks_mut(SEGMENTS_A_HALF) {
         // Starts at the last segment, so that the segment before each is still unchanged.

@@ -41,7 +41,6 @@ impl Track {
         }
     }
 
-    /// The ratio of peak and runner-up needed to enter `state`.
     #[cfg_attr(smr_small, inline(never))]
     const fn ratio(&self, state: State, config: &Config) -> Fraction {
         match (self.state, state) {

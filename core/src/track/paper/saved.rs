@@ -41,7 +41,6 @@ pub(super) fn save<const PIXELS: usize>(
     Ok(to.finish())
 }
 
-/// Returns a reader of the saved state. Refuses bytes that were saved with another configuration.
 pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
     Reader::new(bytes, &Saved::of(config, &config.numbers()))
 }

@@ -28,7 +28,6 @@ pub struct Paper<const PIXELS: usize, const SPAN: usize> {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
-    /// The default: [`Config::camera`] with windows that fit `SPAN`.
     const DEFAULT: Config = {
         #[allow(clippy::cast_possible_truncation)] // at most 80
         Config::camera_within(if SPAN > 160 { 80 } else { (SPAN.saturating_sub(1) / 2) as u16 })

@@ -38,7 +38,6 @@ impl Picture {
     }
 }
 
-/// A target of 12x12 pixels at (`left`, `top`) on noise.
 fn scene(seed: u32, left: i32, top: i32) -> Picture {
     let (ground, target) = (Picture::noise(64, 48, seed).pixels, Picture::noise(12, 12, 99).pixels);
     Picture::of(64, 48, |x, y| match (x - left, y - top) {

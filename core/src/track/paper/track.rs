@@ -43,7 +43,6 @@ impl Track {
         Window::new(self.target, radius, self.bounds, config.padding)
     }
 
-    /// The pixels of the frame that the next search may read.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn pixels(&self, config: &Config) -> Rect {
         self.search_window(config).pixels(self.target.width, self.target.height, self.bounds)
@@ -57,7 +56,6 @@ impl Track {
         self.target = self.nearest_on(padding);
     }
 
-    /// The box moved into the padded frame.
     pub(super) fn nearest_on(&self, padding: u16) -> Rect {
         let into = |at: i32, frame: u16, size: u16| {
             let first = -i32::from(padding);
@@ -81,7 +79,6 @@ impl Track {
         }
     }
 
-    /// The box at `peak`, and the state of a target in it.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn at(&self, peak: &Peak) -> (Rect, State) {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };

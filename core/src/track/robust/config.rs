@@ -97,7 +97,6 @@ impl Config {
         }
     }
 
-    /// The number of offsets of the search on each axis.
     pub(super) const fn span(&self) -> usize {
         2 * self.reach as usize + 1
     }
@@ -106,7 +105,6 @@ impl Config {
         self.backend.unwrap_or_else(Backend::best)
     }
 
-    /// True if the refiner corrects the box. False in a build without it.
     pub(super) const fn refines(&self) -> bool {
         cfg!(feature = "refiner") && self.refiner
     }

@@ -81,7 +81,6 @@ mod app {
         let Some(whole) = whole_frames(target, workspace, pixels) else {
             fail("cannot follow the target in whole frames")
         };
-        // The first order is for the window of the lock.
         let order = Order::new(target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START), pixels);
         start(&mut timer, LINE_CYCLES);
         timer.enable_interrupt();

@@ -339,8 +339,6 @@ macro_rules! add {
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {
-            /// Adds to n neighbouring sums as [`Slide::add`] does, and returns n.
-            ///
             /// # Safety
             /// As [`Slide::add`], for n sums.
             #[inline(never)]

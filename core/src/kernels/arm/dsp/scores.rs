@@ -66,8 +66,6 @@ macro_rules! similarities {
     };
 }
 
-/// The score if it is at least `floor`, else any number below `floor`.
-///
 /// # Safety
 /// The pictures have at least four columns; there are 256 entries, the first of which is that of equal pixels.
 #[inline(always)]

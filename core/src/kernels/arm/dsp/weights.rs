@@ -3,7 +3,6 @@
 use crate::kernels::plain::weights as plain;
 use core::arch::asm;
 
-/// The largest absolute value of `weight * factor / 2^32 + (sum << left)`, rounded toward zero.
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
     let count = weights.len().min(sums.len());
     let mut largest = 0;
@@ -45,7 +44,6 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     largest
 }
 
-/// Quantises each `weight * factor / 2^32 + (sum << left)`: divides by `2^shift` and rounds.
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
     let count = weights.len().min(sums.len()).min(out.len());
     if count == 0 {

@@ -44,7 +44,6 @@ pub(super) fn words(pair: &Rows) -> usize {
 }
 
 /// Byte offset in the code at which the loop over a row, unrolled to four words, is entered, for a shorter first round.
-/// `bytes` is the code size of a word.
 #[inline(always)]
 pub(super) fn entry_offset(pair: &Rows, bytes: usize) -> usize {
     (pair.width / LANES).wrapping_neg() % 4 * bytes

@@ -76,7 +76,6 @@ macro_rules! beyond {
 }
 
 /// Adds q1 (the gradient of one pixel in each of four cells) to the sectors at `$index`. Then loads the gradients at
-/// `$at`, and the index of their sectors to `$next`.
 macro_rules! add {
     ($index:literal, $next:literal, $at:literal) => {
         concat!(
@@ -90,7 +89,6 @@ macro_rules! add {
 }
 
 /// Computes channel sums and energies as the plain loop does, four cells at a time. May write up to three cells beyond
-/// `across`, if the slices have room, and leaves out cells without room.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],

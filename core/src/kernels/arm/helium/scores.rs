@@ -23,8 +23,6 @@ impl Loops for Helium {
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]) = ranges;
 }
 
-/// The score if it is at least `floor`, else any number below `floor`.
-///
 /// # Safety
 /// There are 256 entries.
 #[inline(always)]
@@ -123,8 +121,6 @@ macro_rules! of_four {
     };
 }
 
-/// Computes the lower ends and the lengths of the ranges of 4x4 blocks, widened by `margin` on both sides.
-///
 /// Takes the minimum and maximum of four rows in each column, then of four columns: a lane and the three before it. So
 /// a vector has the blocks that begin three columns earlier, and the first vector has three lanes that are not stored.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {

@@ -4,7 +4,6 @@
 use crate::kernels::plain::weights as plain;
 use core::arch::asm;
 
-/// The largest absolute value of `weight * factor / 2^32 + (sum << left)`, rounded toward zero.
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
     let Ok(factor) = i32::try_from(factor) else { return plain::largest(weights, factor, sums, left) };
     let count = weights.len().min(sums.len());
@@ -43,7 +42,6 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     largest
 }
 
-/// Quantises each `weight * factor / 2^32 + (sum << left)`: divides by `2^shift` and rounds.
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
     let Ok(factor) = i32::try_from(factor) else { return plain::code(weights, factor, sums, left, shift, out) };
     let count = weights.len().min(sums.len()).min(out.len());
@@ -77,8 +75,6 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
     }
 }
 
-/// Subtracts `slope * length / 2^back`, rounded, from each weight, except where that overflows an `i32`.
-///
 /// Three products compute a slope times the length, one for each 16 bits of the length: bits above the lowest 16 are
 /// added to the next one. Beyond these limits the plain loop runs:
 ///

@@ -280,7 +280,6 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         self.bounds.as_flattened_mut().get_mut(group).and_then(lower).unwrap_or(0)
     }
 
-    /// True if a group is to be bounded in this pass: see [`is_promising`].
     pub(super) fn is_worth_bounding(&self, group: usize, needed: u32, area: u32, pass: usize) -> bool {
         let bound = self.bounds.as_flattened().get(group);
         bound.is_some_and(|&bound| is_promising(bound, needed, area, pass, self.passes()))

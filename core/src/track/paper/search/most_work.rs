@@ -21,7 +21,6 @@ impl Extent {
         u64::from(self.template.0) * u64::from(self.template.1)
     }
 
-    /// The number of maxima: one for each column and one for each row of the window.
     fn maxima_count(&self) -> u64 {
         wide(self.window.0) + wide(self.window.1)
     }

@@ -33,7 +33,6 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     pub(super) since_floor: u32,
 }
 
-/// The next stage of a search.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 pub(super) enum Stage {
@@ -114,7 +113,6 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.work = self.work.saturating_add(comparisons);
     }
 
-    /// The result; `None` until the search is done.
     pub(crate) fn peaks(&self, window: &Window) -> Option<Peaks> {
         if self.is_done() { self.leaders.peaks(window) } else { None }
     }
@@ -145,7 +143,6 @@ pub(super) fn area(scene: &Scene<'_>) -> u32 {
     u32::from(scene.template.width()) * u32::from(scene.template.height())
 }
 
-/// The number of maxima: one for each column and one for each row of the window.
 pub(super) fn maxima_count(scene: &Scene<'_>) -> u32 {
     let (columns, rows) = scene.window.size();
     words(columns + rows)

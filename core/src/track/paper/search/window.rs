@@ -18,7 +18,6 @@ impl Radius {
         Self { x: if self.x > most { most } else { self.x }, y: if self.y > most { most } else { self.y } }
     }
 
-    /// True if the window has at most `span` offsets on each axis.
     pub(crate) const fn fits(self, span: usize) -> bool {
         2 * (self.x as usize) < span && 2 * (self.y as usize) < span
     }
@@ -38,7 +37,6 @@ pub struct Window {
 }
 
 impl Window {
-    /// A window of one position, (0, 0).
     pub(crate) const NONE: Self = Self { centre_x: 0, centre_y: 0, left: 0, right: 0, top: 0, bottom: 0 };
 
     /// The window of `radius` around `target`, in a frame of the size of `bounds` with `padding` pixels around it.
@@ -129,7 +127,6 @@ impl Peak {
         (dx * dx + dy * dy, self.y, self.x)
     }
 
-    /// True if `other` is more than `distance` pixels away in x or in y.
     pub(super) fn is_further_than(&self, distance: u32, other: &Self) -> bool {
         self.x.abs_diff(other.x).max(self.y.abs_diff(other.y)) > distance
     }
@@ -138,7 +135,6 @@ impl Peak {
 /// The goal of a search. The value of a variant is the radius of the peak's neighbourhood in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
-    /// The peak alone.
     Peak,
     /// The peak, and whether an offset outside its neighbourhood has the same score. Takes little longer than `Peak`.
     Equals(u16),

@@ -7,7 +7,6 @@ use super::super::arithmetic::quotient;
 use super::super::constants::{PIXEL, PIXEL_BITS};
 use crate::image::Rect;
 
-/// The state of the sweep: the index of the next window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sweep {
     pub(crate) next: u32,

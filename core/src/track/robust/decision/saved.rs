@@ -117,7 +117,6 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
     })
 }
 
-/// Checks the configuration of a saved target, and returns a reader of its state.
 pub(crate) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
     Reader::new(bytes, &Saved::of(config, &config.numbers()))
 }

@@ -92,7 +92,6 @@ impl Extent {
         if all < MOST_PIXELS as u32 { all } else { MOST_PIXELS as u32 }
     }
 
-    /// Offsets of the search on each axis.
     pub(crate) const fn span(self) -> u32 {
         2 * self.reach + 1
     }

@@ -36,7 +36,6 @@ impl Place {
         Self { x: moved(self.x, right), y: moved(self.y, down), ..self }
     }
 
-    /// Clamps the place to the frame.
     #[inline(never)]
     pub(crate) fn inside(self, bounds: Rect) -> Self {
         let end = |size: u16| i64::from(size.saturating_sub(1)) * PIXEL;

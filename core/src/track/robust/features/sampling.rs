@@ -116,7 +116,6 @@ impl Lattice {
         (x, Axis::new(self.y, self.step_down, self.rows, halvings, bounds.height))
     }
 
-    /// The rectangle of frame pixels that the lattice reads.
     #[inline(never)]
     pub(crate) fn pixels(&self, bounds: Rect) -> Rect {
         let (x, y) = self.axes(bounds);

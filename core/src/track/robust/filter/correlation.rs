@@ -134,7 +134,6 @@ impl<const N: usize> Filter<N> {
         Self { weights: Vec::new() }
     }
 
-    /// Starts with `count` weights of 0.
     pub(crate) fn start(&mut self, count: usize) {
         self.weights.clear();
         // Cannot fail: no grid has more than `N` weights.

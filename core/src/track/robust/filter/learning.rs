@@ -237,14 +237,19 @@ pub(crate) struct Learning {
 
 #[derive(Clone, Copy)]
 enum Phase {
-    /// Computes the errors of the responses.
     Errors,
     /// Sums the gradient. `piece` is the index of the next piece of work.
-    Gradient { piece: usize, error_shift: u32 },
-    /// Computes the direction from the gradient.
-    Direction { error_shift: u32 },
+    Gradient {
+        piece: usize,
+        error_shift: u32,
+    },
+    Direction {
+        error_shift: u32,
+    },
     /// Computes the responses to the direction, which give the step length.
-    Curvature { piece: usize },
+    Curvature {
+        piece: usize,
+    },
 }
 
 impl Learning {

@@ -42,7 +42,6 @@ fn middle(FineRect { x, y, width, height }: FineRect) -> [i64; 2] {
     [(x, width), (y, height)].map(|(from, side)| ((i64::from(from) + i64::from(side / 2)) << 4) - (1 << 11))
 }
 
-/// The sample positions of the crop of a box.
 #[inline(never)]
 fn crop_of(target: FineRect) -> Lattice {
     let ([x, y], [step, step_down]) = (middle(target), steps([target.width, target.height]));

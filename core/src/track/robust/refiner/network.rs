@@ -134,7 +134,6 @@ const _: () = {
     assert!(SAMPLES <= PATCHES);
 };
 
-/// The memory for the present crop: the beginning of the scratch memory.
 pub(super) fn room_for_crop(scratch: &mut [i8]) -> Option<&mut [i8; SAMPLES]> {
     scratch.first_chunk_mut()
 }

@@ -125,7 +125,6 @@ impl LockPipeline {
         budget.spend(measuring(&buffers.large));
     }
 
-    /// Updates the weights and their responses by a step of learning.
     fn learned(&mut self, length: i64, memory: &mut Memory, buffers: &mut Buffers, budget: &mut Budget) {
         memory.filter.descend(length, &buffers.coded);
         let Buffers { responses, sums, coded, .. } = buffers;

@@ -56,7 +56,6 @@ pub(crate) struct Pipeline {
     track: Track,
     /// The candidate on which the answer is based: that of the first window, or the one that redetection accepted.
     candidate: Candidate,
-    /// The best alignment of the early template.
     alignment: Alignment,
     /// The length of the filter's step, with 44 fractional bits, if the tracker learns from this frame.
     learned: Option<i64>,

@@ -67,7 +67,6 @@ pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
     window
 }
 
-/// The pixels of the frame under the search window around a place.
 #[inline(never)]
 fn pixels(track: &Track, place: &Place, reach: u16) -> Rect {
     Lattice::search_window(place, &track.grid, reach).pixels(track.bounds)

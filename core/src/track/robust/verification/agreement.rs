@@ -110,7 +110,6 @@ impl Comparison {
         }
     }
 
-    /// Begins an update: copies the template, and measures its contrast.
     pub(crate) fn begin(&mut self, early: &Early<'_>) {
         early.template.copy_to(&mut self.relit);
         self.contrast = self.relit(early.grid).map_or(Contrast::NONE, Contrast::of);
@@ -150,7 +149,6 @@ impl Comparison {
         self.table.threshold()
     }
 
-    /// The patch of the view under the aligned template.
     pub(crate) fn patch(&self, grid: &Grid, alignment: Alignment) -> Option<Image<'_>> {
         patch(&self.view, grid, alignment)
     }
@@ -212,7 +210,6 @@ enum Phase {
     Agreement,
 }
 
-/// A candidate with its agreement, and the early template's best alignment there.
 #[derive(Clone, Copy)]
 pub(crate) struct Verified {
     pub(crate) candidate: Candidate,

@@ -123,7 +123,6 @@ impl NormalEquations {
     }
 }
 
-/// Divides a number by 2^`power`, rounding toward zero. A negative `power` multiplies.
 fn toward_zero(number: i32, power: i32) -> i32 {
     if power < 0 { number << -power } else { number / (1 << power) }
 }
