@@ -1,6 +1,7 @@
 //! Extracts the Rust examples from the READMEs, so that `tests/readme.rs` compiles and runs them unchanged.
 //!
-//! A README's examples become `FOLDER-1.rs`, `FOLDER-2.rs` ... One without `fn` is a block in a test with its names.
+//! The examples of a README become the files `FOLDER-1.rs`, `FOLDER-2.rs` and so on. An example without `fn` becomes a
+//! block, and the test around it defines the names that it uses.
 
 use std::path::Path;
 use std::{env, fs};

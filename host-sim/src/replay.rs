@@ -283,7 +283,8 @@ impl<'a, T: Recorded> FlightReplay<'a> for Run<'a, T> {
     }
 }
 
-/// Returns the name of the differing value, and its recorded and replayed text. Errors: The record itself is invalid.
+/// Returns the name of the value that differs, and its recorded and replayed text.
+/// Errors: The record itself is invalid.
 fn named(difference: record::Difference) -> Result<Option<(&'static str, [String; 2])>> {
     use record::Difference as Is;
     let rect = |Rect { x, y, width, height }: Rect| format!("{width}x{height} at ({x}, {y})");

@@ -1,4 +1,5 @@
-//! Checks that commands in `core/EVIDENCE.md` and elsewhere name existing packages, tests and scripts, valid options.
+//! Checks that the commands in `core/EVIDENCE.md` and in other documents for maintainers can be run. The packages, test
+//! programs, features, tests and scripts in them must exist, and host-sim must accept its options.
 
 use clap::CommandFactory;
 use clap::error::ErrorKind;

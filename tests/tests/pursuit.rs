@@ -163,7 +163,8 @@ impl<T: Target> Loop<T> {
         Self { tracker, pursuit, servo_pins, lamp, head: HOME, goal: HOME }
     }
 
-    /// Runs a frame. Returns the state, true if the lamp is on, and the target's pixels from the picture's middle.
+    /// Runs one frame. Returns the tracker's state, true if the lamp is on, and the target's distance from the
+    /// picture's middle in pixels.
     fn step(&mut self, target: Direction, occluder: Option<Direction>) -> (State, bool, f64) {
         let error_pixels = offset_pixels(self.head, target);
         let picture = picture(self.head, target, occluder);

@@ -9,7 +9,8 @@ fn the_readme_has_at_most_900_words() {
     assert!(words <= 900, "README.md has {words} words");
 }
 
-/// Draws the examples' target: 40x48 pixels at 150,100 in a first 320x240 picture, then 2 pixels further right each.
+/// Draws the target of the examples: 40x48 pixels at 150,100 in the first picture (320x240), two pixels further right
+/// in each next one.
 fn pictures(count: usize) -> Vec<Vec<u8>> {
     let texture = |x: usize, y: usize| (x / 4 * 83 + y / 4 * 47 + (x / 4) * (y / 4) * 29) % 200 + 55;
     let pixel = |left: usize, x: usize, y: usize| {

@@ -25,7 +25,8 @@ fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     ((width, height), target, pictures.collect())
 }
 
-/// Lines of a sensor's picture, each with three padding bytes; some formats send more columns or lines than it has.
+/// The lines of a sensor's picture, each followed by three padding bytes. Some formats send more columns or lines than
+/// the picture has.
 struct Sensor {
     format: Format,
     size: (u16, u16),

@@ -135,7 +135,8 @@ impl Protocol for Faults<'_> {
     }
 }
 
-/// Returns frames in which faults begin, spread evenly, and the boxes to lock on before; the target is visible in both.
+/// Returns the frames in which faults begin, spread evenly over the recording, and the box to lock on before each. The
+/// target is visible in the frame of the lock and where the fault begins.
 fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
     let visible = |frame: usize| recording.truth.get(frame).is_some_and(Option::is_some);
     let bounds = recording.bounds();

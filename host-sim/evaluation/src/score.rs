@@ -171,7 +171,8 @@ impl Score {
     }
 }
 
-/// Returns IoUs of frames, with normalised answers: 0 without an answer, `None` if hidden. Errors: Lengths differ.
+/// Returns the IoU of each frame, with normalised answers: 0 without an answer, `None` without a visible target.
+/// Errors: The arguments differ in length.
 pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f64>>> {
     let (frames, boxes) = (answers.len(), truth.len());
     ensure!(frames == boxes, "there are {frames} frames, but the ground truth has {boxes} boxes");

@@ -73,7 +73,8 @@ impl From<&GrayFrame> for ColorFrame {
 }
 
 impl Sequence {
-    /// Adds presentation times, and colors in the size of the gray frame; gray levels replace unreadable colors.
+    /// Adds to each frame its colors, in the size of the gray frame, and its presentation time. If the colors cannot be
+    /// read, the gray levels take their place.
     pub fn in_color(self, patience: Duration) -> Self {
         let mut colors = self.source.color_from(self.first, u16::MAX, patience);
         let frames = self.frames.map(move |frame| Ok(colored(frame?, &mut colors)));

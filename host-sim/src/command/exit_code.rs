@@ -1,4 +1,5 @@
-//! Exit code of a command (0 success, 1 a check failed, 2 bad usage or input, 128 + N by signal N), one-line error.
+//! Exit code of a command (0 success, 1 a check failed, 2 bad usage or input, 128 + N ended by signal N), and its error
+//! as one line on standard error: what is wrong, where, and what was expected.
 
 use super::usage;
 use anyhow::{Context, Result, anyhow};

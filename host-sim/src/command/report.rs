@@ -81,7 +81,7 @@ impl Report {
             "expected --out FILE.html for a page, --figures DIR for the paper's figures, or both"
         );
         let of_figures = [("--frame", self.frame.is_some()), ("--hidden", self.hidden.is_some())];
-        for (option, _) in of_figures.into_iter().filter(|(_, is_given)| *is_given && self.figures.is_none()) {
+        if let (None, Some((option, _))) = (&self.figures, of_figures.iter().find(|(_, is_given)| *is_given)) {
             bail!("{option} is for figures: expected --figures DIR with it");
         }
         let places = Places::of(&self.paths).writes("--out", self.out.as_ref(), taken(&["html"]));

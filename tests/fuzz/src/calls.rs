@@ -137,7 +137,8 @@ impl<T: Fuzzed> Pair<T> {
         };
         match locked {
             Ok(_) => assert_eq!(self.any.bbox(), Some(target.into())),
-            // `lock` refuses only a part of the frame that lacks the lock window, which was too large to allocate.
+            // `lock` refuses a part of the frame only if it does not contain the lock window, which was too large to
+            // allocate.
             Err(LockError::LockWindowNotInMemory) => assert_ne!(part.rect, window),
             Err(_) => assert_eq!(before, saved(&self.any)),
         }

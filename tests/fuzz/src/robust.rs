@@ -60,7 +60,8 @@ impl Fuzzed for Robust {
 
     fn starts() -> &'static [Start<Config>] {
         static STARTS: LazyLock<Vec<Start<Config>>> = LazyLock::new(|| {
-            // Usual; always losing the target, so that redetection runs; without scale search; largest learning rates.
+            // Four configurations: the usual one; one that always loses the target, so that redetection runs; one
+            // without scale search; one with the largest learning rates.
             let mut configs = [Robust::usual(); 4];
             (configs[1].lost_below, configs[1].uncertain_below) = (u16::MAX, u16::MAX);
             configs[2].size = false;

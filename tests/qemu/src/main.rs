@@ -155,7 +155,8 @@ impl Qemu {
         })
     }
 
-    /// Runs the firmware in `folder`; `read` gets QEMU's output. Returns true for exit code 0. Fails if QEMU does.
+    /// Runs the firmware with `folder` for its files, and passes QEMU's output to `read`. Returns true if the exit code
+    /// is 0. Fails if QEMU itself does.
     fn start<T>(&self, folder: &Path, more: &[&str], read: impl FnOnce(ChildStdout) -> Result<T>) -> Result<(bool, T)> {
         let (program, package, bios) = match self.machine.as_str() {
             // No BIOS: QEMU would run its own before the firmware.

@@ -89,7 +89,8 @@ figures! {
     worst_correct: f64 = mean, "worst" 3;
     /// As `mean_correct`, but a correct frame needs an intersection over union above 0.5.
     mean_correct_50: f64 = mean, "correct@0.5" 3;
-    /// Harmonic mean of precision (correct answers of all) and recall (correct frames of visible), mean over starts.
+    /// Harmonic mean of precision (correct answers over all answers, also while the target is hidden) and recall
+    /// (correct over visible frames), mean over the starts.
     f: f64 = mean, "F" 3;
     /// Mean IoU over the frames with an answer and a visible target; 0 without such frames.
     mean_iou: f64 = mean, "mean IoU" 3;
@@ -136,7 +137,8 @@ fn sum(parts: impl Iterator<Item = usize>) -> usize {
 }
 
 impl Figures {
-    /// Averages runs of a recording: fractions over the starts; IoU, precision, comparisons and time over all frames.
+    /// Averages the runs of one recording. Fractions of frames are means over the starts. IoU, precision, comparisons
+    /// and time are means over all frames of all starts.
     pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
         let mean = |of: fn(&Score) -> f64| ratio(runs.iter().map(|run| of(&run.score)).sum(), runs.len() as f64);
         let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>() as f64;

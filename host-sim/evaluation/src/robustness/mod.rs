@@ -71,7 +71,8 @@ pub fn measure(
     Measured { tables, failures, notes: Vec::new(), is_empty: rows.is_empty() }
 }
 
-/// Returns tables of figures by method and recording, of starts in that order, and of means (of several folders, too).
+/// Returns three tables. First: figures by method and recording. Second: the starts, in the order of the first. Third:
+/// means over all recordings and, if there are several folders, over the recordings of each folder.
 fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     let (figures, origin) = (Head::all(Figures::COLUMNS), Head::all(Origin::COLUMNS));
     let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")]);

@@ -89,8 +89,9 @@ impl FormerRow {
     }
 }
 
-/// Returns mean differences. Each method is compared with that of the same name in `former`, else with its first one
-/// or, without `former`, with the first of `tables`. Errors: `former` has other starts, or shares no recording.
+/// Returns the table of mean differences. Each method is compared with the method of the same name in `former`; if that
+/// is missing, with the first method of `former`; or, if `former` itself is `None`, with the first method of `tables`.
+/// Errors: `former` was measured from other starts, or shares no recording with `tables`.
 pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
     let names =
         Head::list(&[("", "paired difference"), ("tracker", ""), ("against", ""), ("recordings", "recordings")]);

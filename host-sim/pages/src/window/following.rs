@@ -194,7 +194,8 @@ impl State {
         })
     }
 
-    /// Gives answers from `part.from` on new log positions, even after `part.to`: positions ascend within a segment.
+    /// Assigns new log positions to answers in frame `part.from` and later, so that pages load them again. Answers
+    /// after `part.to` in the same segment are included, because positions ascend within a segment.
     fn renew_positions(&mut self, part: TargetSpan) {
         self.log.void(part);
         let Self { targets, segments, log, settings_index, .. } = self;

@@ -198,7 +198,8 @@ impl Window {
         })
     }
 
-    /// Returns changes after `since`, with `wait=0` at once; of many answers only the ranges, for route `answers`.
+    /// Returns the changes after log position `since`. If there are many answers, it returns only their frame ranges,
+    /// and the page requests the answers from the route `answers`. With `wait=0` it returns at once.
     fn news(&self, query: &str) -> Result<Value> {
         let since = number(query, "since")?;
         let patience = if value(query, "wait") == Some("0") { Duration::ZERO } else { PATIENCE };

@@ -157,7 +157,8 @@ impl Reference {
             all.extend(self.other_scales(centre.scale).map(larger));
         }
         if let Some(refiner) = &self.refiner {
-            // Upper bound of the move, at the larger scale: search radius + 1 cell, alignment margin, 2 pixels.
+            // Upper bound of the target's move: search radius + 1 cell, alignment margin, 2 pixels, all at the larger
+            // scale.
             let [_, larger] = self.other_scales(centre.scale);
             let by = to_f64((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
             let target = Place { scale: larger, ..centre }.bbox(self.target_size);

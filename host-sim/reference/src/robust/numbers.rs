@@ -98,7 +98,8 @@ pub struct Numbers {
     pub opinion_found: f64,
     /// Minimum evidence (template agreement plus filter response) for learning from a frame.
     pub learned_from: f64,
-    /// Redetection of a lost target: windows per frame; minimum evidence, and lead over that where it is tracked.
+    /// Redetection of a lost target: windows per frame; minimum evidence; minimum lead over the evidence at the tracked
+    /// position.
     pub sweep: i64,
     pub found_from: f64,
     pub better_by: f64,

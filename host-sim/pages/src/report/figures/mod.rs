@@ -134,7 +134,8 @@ fn overlap(film: &Film, method: usize, index: usize) -> Option<f64> {
     Some(film.moments[index].reports[method].target.map_or(0.0, |target| target.iou(&truth)))
 }
 
-/// Returns the frames around the exit: last before it, box farthest outside, first *lost*, first wholly inside again.
+/// Returns the frames around the target's exit: the last before it, the one with the box farthest outside, the first in
+/// which the target is lost, and the first in which it is wholly inside again.
 fn leaving_frames(film: &Film) -> Result<Vec<usize>> {
     let state = |index: usize| film.moments[index].reports[SMR].state;
     let leaving = (1..film.moments.len()).filter(|&index| state(index) == State::Leaving);
