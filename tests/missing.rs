@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 
 /// Prints that a test is skipped. `println!` would be shown only for failed tests.
 pub fn skipped(test: &str, why: impl Display) {
-    // One write, so that no other line comes between its parts.
+    // One write, so that no other output comes between the parts of the message.
     let _ = std::io::stderr().write_all(std::format!("skipped: {test}: {why}\n").as_bytes());
 }
 

@@ -32,8 +32,8 @@ pub fn features<'a>(target: &Robust, workspace: &'a mut Workspace, frame: &Frame
     target.features(workspace, frame)
 }
 
-/// The correlation filter's responses to the [`features`], in units of 1/16384, row by row: up to `Config::reach` cells
-/// from the middle to each side, without the distance penalty. Entries beyond the reach are 0.
+/// The correlation filter's responses to the [`features`], in units of 1/16384, without the distance penalty: entry
+/// `[reach + y][reach + x]` for an offset of (x, y) cells. Entries with an index above 2 * `Config::reach` are 0.
 ///
 /// # Errors
 /// As [`features`].
@@ -45,7 +45,7 @@ pub fn response_map(
     target.response_map(workspace, frame)
 }
 
-/// The correlation filter's response at the last answer, in 1/16384: about 16384 if the target looks as before.
+/// The correlation filter's response at the last answer, in units of 1/16384; about 1.0 if the target looks as before.
 #[must_use]
 pub const fn response(workspace: &Workspace) -> i32 {
     workspace.response()

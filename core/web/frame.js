@@ -21,7 +21,7 @@ export function frameOf(frame) {
   if (checked.stride < row) {
     throw new SmrError("SMR_ERROR_STRIDE_TOO_SMALL");
   }
-  // This also detects a buffer that was transferred to another thread, which has no bytes.
+  // This check also detects a buffer that has no bytes because it was transferred to another thread.
   if (data.length < (height - 1) * checked.stride + row) {
     throw new SmrError("SMR_ERROR_FRAME_TOO_SHORT");
   }
@@ -36,7 +36,7 @@ function checkPixels(bytes, channels) {
   }
 }
 
-// Returns the bytes of a pixel, by the format or else by the type of array.
+// Returns the number of bytes per pixel: from `format` if it is given, else from the type of the array.
 function channelsOf(data, format) {
   const kind = bytesOf(data, "the frame's data", ["Uint8Array", "Uint8ClampedArray"]);
   const channels = new Map([["gray", 1], ["rgba", 4], [undefined, kind === "Uint8ClampedArray" ? 4 : 1]]).get(format ?? undefined);
@@ -60,7 +60,7 @@ export function copyWindow(frame, window, to) {
   }
 }
 
-// Converts RGBA to gray as host-sim does: the weights add up to 65536. Alpha is ignored.
+// Converts RGBA to gray with the weights of host-sim, which add up to 65536. Alpha is ignored.
 function copyLuma(rgba, from, to, at, pixels) {
   for (let end = at + pixels; at < end; at++, from += 4) {
     to[at] = (19595 * rgba[from] + 38470 * rgba[from + 1] + 7471 * rgba[from + 2] + 32768) >> 16;

@@ -11,7 +11,7 @@ export { SmrError } from "./errors.js";
 /** The names of the states in an answer. */
 export const State = Object.freeze({ TRACKING: "tracking", LEAVING: "leaving", UNCERTAIN: "uncertain", LOST: "lost" });
 
-/** Least `quality` of a good target; one below can hardly be distinguished from its surroundings. */
+/** Minimum `quality` of a good target. A target below it can hardly be distinguished from its surroundings. */
 export const POOR_QUALITY = 1023;
 
 // The states by their values in the C enum `smr_state`.
@@ -55,7 +55,7 @@ const CALL = struct({
 });
 // Memory for a flight record; the first five fields belong to the library.
 const SINK = struct({ write: u32, context: u32, entries: u32, flags: u32, tracker: u32, bytes: u32, size: u32, used: u32 });
-// Upper bound in bytes of a record's first entry, and of an update's entries without pixels.
+// Upper bound in bytes of a flight record's first entry, and of what an update adds to the record besides pixels.
 const MOST_AROUND = 1024;
 // Granularity in bytes of memory for windows, so that windows of changing size do not fragment the memory.
 const PIXELS_STEP = 65536;
@@ -205,7 +205,7 @@ class Library {
     return this.#workspaces[method];
   }
 
-  /** Returns the address of memory for `size` pixels, valid until the next call. */
+  /** Returns the address of memory for `size` pixels, valid until the next call of this method. */
   pixels(size) {
     if (this.#pixels.size < size) {
       this.memory.give(this.#pixels.at);
@@ -375,7 +375,7 @@ export class Tracker {
     return window?.width > 0 ? window : null;
   }
 
-  /** The template { width, height, pixels }, or the robust tracker's early template; null without a target. */
+  /** The template { width, height, pixels }; for a robust tracker that of the first frames. Null without a target. */
   get template() {
     this.#live();
     // The template is read from a saved target, which contains it.
@@ -396,7 +396,7 @@ export class Tracker {
     return { span, responses: Int32Array.from(rows.flatMap((row) => row.slice(0, span))) };
   }
 
-  /** Calls `take(bytes, begins)` with each piece of a flight record from now on; `begins` is true at its start. */
+  /** Calls `take(bytes, begins)` with each piece of the flight record; `begins` is true for a record's first piece. */
   record(take) {
     this.#live();
     if (typeof take !== "function") {

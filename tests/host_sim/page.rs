@@ -109,7 +109,7 @@ fn the_page_plays_by_itself_and_begins_with_what_happened() {
     browser::act(test, &page("page-by-itself", &["synthetic", "--method", "smr,robust"]), 1280, "", BY_ITSELF);
 }
 
-/// Zooms with keys, and finds the curves by the mark of frame 120.
+/// Zooms and moves the curves. The horizontal position of the mark of frame 120 shows which part of them is visible.
 const MOVING: &str = r##"
   const mark = () => Math.round(parseFloat(document.querySelectorAll(".cursor")[1].style.left));
   const over = () => document.querySelectorAll(".chart canvas")[1];

@@ -141,7 +141,7 @@ fn a_flight_is_replayed_bit_for_bit() {
         let count = |state| answers.iter().filter(|answer| answer.state == state).count() as u64;
         assert_eq!(flight.states, State::ALL.map(count));
         assert!(flight.states[3] > 0, "{kind:?}: the flight has a lost target: {:?}", flight.states);
-        // Sizes by the documentation: a lock is 36 bytes and its pixels, a frame 82 bytes and its pixels.
+        // Sizes by the documentation: a lock is 36 bytes plus its pixels, a frame 82 bytes plus its pixels.
         let begin = if kind == CoreKind::Smr { 584 } else { 558 };
         let saved =
             entries(&bytes).windows(2).find(|pair| pair[0].1 == *b"SMRS").map_or(0, |pair| pair[1].0 - pair[0].0);
@@ -152,7 +152,7 @@ fn a_flight_is_replayed_bit_for_bit() {
 
 #[test]
 fn a_changed_answer_is_named() {
-    // Offset in the answer's entry, and name of the field.
+    // For each field of an answer: its offset in bytes after the entry's header, and its name in messages.
     let fields = [
         (0, "box in 1/256 pixel"),
         (16, "state"),

@@ -18,9 +18,9 @@ from collections import Counter
 # Costs are counted in 1/PARTS cycle: llvm-mca simulates PARTS iterations of each block.
 PARTS = 50
 MODELLED = True
-# For each processor: name; True if LLVM has a model; cycles of a taken branch (1 + P on the M4 by Arm's manual, where P
-# is 1 to 3); 1/PARTS cycles of each word after the first of a load or store; cycles of a division (2 to 12); cycles of
-# a load with post-increment directly after another from the same register; chips, with clocks in MHz.
+# For each processor: name; True if LLVM has a model; cycles of a taken branch (1 + P on the M4 by Arm's manual, P is 1
+# to 3); 1/PARTS cycles of each word after the first of a load or store; cycles of a division (2 to 12); cycles of a
+# post-increment load right after one that increments the same register; chips, with clocks in MHz.
 PROCESSORS = {
     "mps2-an385": [("cortex-m0plus", not MODELLED, 1, 0, 0, 0, {"RP2040": 133})],
     "mps2-an386": [
@@ -64,7 +64,7 @@ def spans(trace, mark):
     ended, blocks, pairs, last, printed = [], {}, None, None, (0, 0)
     for line in trace:
         if line.startswith(b"Trace "):
-            # A block is executed: Trace 0: 0x7f59 [base/address/state/limit] name
+            # A line for each run of a block: Trace 0: 0x7f59 [base/address/state/limit] name
             block = blocks.get(line)
             if block is None or printed[0] == block[0]:
                 start = int(line.split(b"/")[1], 16)
@@ -77,7 +77,7 @@ def spans(trace, mark):
                 pairs = Counter() if pairs is None else None
             last = block
         elif line.startswith(b"0x"):
-            # Disassembly of a block: 0x00000404:  f04f 32cc  instruction
+            # A line of a block's disassembly: 0x00000404:  f04f 32cc  instruction
             address, code = int(line[:10], 16), line[11:].strip().split(b"  ")[0].replace(b" ", b"")
             start = printed[0] or address
             printed = (start, address - start + len(code) // 2)
@@ -133,7 +133,7 @@ def model(name, codes):
             lines = [re.sub(r" 0x\S*$", " #4", text) for text in code if not is_loop_end(text)]
             file.write("\n".join([f"# LLVM-MCA-BEGIN {number}", *lines, "# LLVM-MCA-END\n"]))
         file.flush()
-        # `implicit-it` inserts IT instructions: one of the code's own may lie in another block of the trace.
+        # `implicit-it` inserts missing IT instructions: a block's own one may be in another block of the trace.
         options = ["-mtriple=thumb-none-eabihf", f"-mcpu={name}", "-arm-implicit-it=always", "-call-latency=1", f"-iterations={PARTS}"]
         options += ["-skip-unsupported-instructions=any", "-all-views=false", "-summary-view", "-json"]
         regions = json.loads(llvm("llvm-mca", *options, file.name))["CodeRegions"]

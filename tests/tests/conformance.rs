@@ -21,7 +21,7 @@ static STEEP: Table = match Table::new(40) {
     Ok(table) => table,
     Err(_) => panic!("40 is in range"),
 };
-/// File, number of flights, number of answers.
+/// File in `vectors/`, its number of flights, its number of answers.
 const OF_PAPER: [(&str, u32, u32); 2] = [("paper.smr", 6, 61), ("scale.smr", 1, 4)];
 const OF_ROBUST: [(&str, u32, u32); 2] = [("robust.smr", 13, 85), ("refined.smr", 3, 15)];
 

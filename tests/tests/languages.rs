@@ -9,7 +9,7 @@ const HEADER: &str = "core/c/include/smr.h";
 const TYPES: &str = "core/web/smr.d.ts";
 const MODULE: &str = "core/micropython/smr/smr.c";
 
-/// Places of the names: kind, language, file, and the text before and after the names.
+/// Places of the names of answer fields and states: kind, language, file, and the text before and after these names.
 const PLACES: &[(&str, &str, &str, &str, &str)] = &[
     ("answer", "C", HEADER, "struct smr_answer {", "\n}"),
     ("answer", "Python", "core/python/package/smr/_answer.py", "class Answer(", "\nclass"),
@@ -56,7 +56,7 @@ fn has(text: &str, before: &str, end: &str, word: &str) -> bool {
     code.any(|line| line.split(|letter| !is_name(letter)).any(|found| found == word))
 }
 
-/// Returns the names that a language lacks. `read` returns the text of a file.
+/// Returns the names of answer fields and states that a language lacks. `read` returns the text of a file.
 fn lacking(read: impl Fn(&str) -> String) -> Vec<String> {
     let mut lacking = Vec::new();
     for (what, language, file, before, end) in PLACES {

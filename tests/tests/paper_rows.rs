@@ -41,7 +41,7 @@ fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
     [Some(corners(start))].into_iter().chain(rest).collect()
 }
 
-/// Compares with files whose names end in `rows`. `larger` is 1 if their boxes include the lower right corner's pixel.
+/// Compares the boxes with files `*.{rows}.txt`. `larger` is 1 if these include the lower right corner's pixel.
 fn compare(test: &str, rows: &str, config: Config, larger: u16) {
     let Some(tld) = recordings(test, "tld") else { return };
     let Some(boxes) = recordings(test, "paper-rows") else { return };

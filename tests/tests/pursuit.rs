@@ -53,7 +53,7 @@ fn picture(head: Direction, target: Direction, occluder: Option<Direction>) -> V
     (0..WIDTH * HEIGHT).map(place).map(|(right, up)| seen(ray(head, right, up))).collect()
 }
 
-/// Returns the direction of the pixel `right` and `up` of the middle, for a camera in direction `head`.
+/// Returns the direction of the pixel `right` and `up` pixels from the middle, seen by a camera in direction `head`.
 fn ray(head: Direction, right: f64, up: f64) -> Direction {
     let (sin, cos) = head[1].sin_cos();
     let (forward, height) = (FOCAL_LENGTH_PIXELS * cos - up * sin, FOCAL_LENGTH_PIXELS * sin + up * cos);
@@ -195,9 +195,9 @@ fn small() -> Config {
     let mut config = Config::camera();
     config.window = Radius { x: 12, y: 12 };
     config.window_limit = Radius { x: 32, y: 32 };
-    // The paper's gate (1.0) accepts every peak inside the frame; this one must tell the target from the occluder.
+    // The preset's 0 accepts every ratio of peak to runner-up; this limit must tell the target from the occluder.
     config.gate_tracking = Fraction::new(5, 4);
-    // A lead of 100 pixels is easy to reach with the target's 2304 pixels, so only the ratio decides here.
+    // Switches the lead off (100 of the target's 2304 pixels are easy to reach), so that only the ratio decides here.
     config.gate_lead = u16::MAX;
     config
 }

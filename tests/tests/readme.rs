@@ -92,7 +92,7 @@ mod recorder {
     fn the_record_holds_the_answer() {
         let pictures = pictures(2);
         let frame = |number: usize| Frame::whole(Image::new(&pictures[number], 320, 240).unwrap());
-        // The largest search radius is 16, so the preset is the one for that radius.
+        // `Paper<4096, 33>` allows search radii up to 16, so the preset is the one for a radius of 16.
         let mut tracker = Tracker::<Paper<4096, 33>>::with(paper::Config::camera_within(16)).unwrap();
         let mut bytes = Vec::new();
         let write = |piece: &[u8]| -> Result<(), Infallible> {
@@ -192,7 +192,7 @@ mod head {
         let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-5.rs")) };
         let ended = endless().unwrap_err().to_string();
         assert!(ended.contains("size"), "{ended}");
-        // Duty cycles: a pulse of 1500 in 20,000 microseconds would point straight ahead.
+        // `pan` and `tilt` are duty cycles: a pulse of 1500 in 20,000 microseconds would point straight ahead.
         assert!(led.get() == 1 && pan.get() != tilt.get() && pan.get() > 0, "{pan:?} {tilt:?} {led:?}");
     }
 }

@@ -63,7 +63,7 @@ fn saved<T: Target>(tracker: &Tracker<T>) -> Vec<u8> {
     bytes[..size].to_vec()
 }
 
-/// Compares the answers on 39 recordings. Returns the number of frames with a second window.
+/// Compares answers to partial and whole frames on 39 recordings. Returns the number of frames with a second window.
 fn compare<T: Target>(config: T::Config) -> usize {
     let tracker = || Box::new(Tracker::<T>::with(config).expect("a good configuration"));
     let mut sweeps = 0;

@@ -97,7 +97,7 @@ impl<'a> Frame<'a> {
         Ok(Self::part(Image::new(pixels, window.width, window.height)?, x, y, width, height)?)
     }
 
-    /// Adds the `pixels` of a second window: that of [`Tracker::sweep_window`](crate::Tracker::sweep_window).
+    /// Adds the `pixels` of a second `window`, which [`Tracker::sweep_window`](crate::Tracker::sweep_window) returned.
     ///
     /// # Errors
     /// As [`Frame::of_window`].

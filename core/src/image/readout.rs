@@ -145,7 +145,7 @@ impl Format {
                     *gray = mean.to_le_bytes()[0];
                 }
             }
-            // Each group: four bytes of high bits, one byte of low bits.
+            // Each group of four pixels has four bytes of high bits, then one byte of low bits.
             Self::Gray10 => fill(gray, (x..).map(|x| line.get(x / 4 * 5 + x % 4).copied().unwrap_or(0))),
         }
     }
@@ -196,7 +196,7 @@ pub struct Readout {
     lines: u16,
     first: Rect,
     second: Option<Rect>,
-    /// The next line: all earlier ones have arrived or lie in no window. Public for the C interface.
+    /// The line expected next: all earlier lines have arrived or lie in no window. Public for the C interface.
     #[doc(hidden)]
     pub next: u16,
 }
@@ -210,7 +210,7 @@ impl Readout {
         Self { format, columns, lines, first: window, second: None, next: 0 }.inside(window)
     }
 
-    /// Adds a second window, that of [`Tracker::sweep_window`](crate::Tracker::sweep_window), before the first line.
+    /// Adds the window of [`Tracker::sweep_window`](crate::Tracker::sweep_window). Call it before the first line.
     ///
     /// # Errors
     /// As [`Readout::new`]; [`ReadoutError::LineOutOfOrder`] after the first line.

@@ -42,7 +42,7 @@ impl<'a> Image<'a> {
         Self::with_stride(pixels, width, height, width as usize)
     }
 
-    /// `height` rows of `width` pixels, `stride` bytes apart. The slice may end after the last pixel of the last row.
+    /// `height` rows of `width` pixels, `stride` bytes apart. The slice need not contain the gap after the last row.
     ///
     /// # Errors
     /// All of [`ImageError`]; [`ImageError::SliceTooShort`] also if the size overflows a `usize`.

@@ -71,7 +71,7 @@ pub(super) use super::plain as native;
 #[cfg(smr_swar)]
 pub(super) use super::swar as native;
 
-/// The instruction set of the kernels: similarity scores and sums of products. All return the same integers.
+/// Instruction set of the kernels: similarity scores and sums of products. All sets return the same integers.
 ///
 /// # Where pixels may be
 ///
@@ -102,9 +102,9 @@ pub enum Backend {
     Dsp,
     /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
     Helium,
-    /// Any processor without DSP and Helium: words of four pixels in ordinary 32-bit registers for score bounds, and
-    /// unrolled byte loops. The fastest backend on 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC), on
-    /// which the `CutTable` in each workspace takes 510 bytes more. Loads words only from multiples of four bytes.
+    /// Any processor without DSP and Helium: unrolled byte loops, and words of four pixels in ordinary 32-bit registers
+    /// for score bounds. The fastest backend on 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC); there the
+    /// `CutTable` in each workspace is 510 bytes larger than elsewhere. Loads words only from multiples of four bytes.
     Swar,
 }
 

@@ -87,7 +87,7 @@ impl Noise {
     }
 }
 
-/// Fills the areas with noise. Bytes at one index mostly differ by little, some by much: below or above a threshold.
+/// Fills the areas with noise: bytes at one index of two areas mostly differ by less than a threshold, some by more.
 fn fill(areas: &mut Areas<'_>) {
     let mut noise = Noise(1);
     for ((first, second), third) in areas.end.iter_mut().zip(&mut *areas.other_end).zip(&mut *areas.start) {
@@ -579,7 +579,7 @@ fn scaled(numbers: ScaledSums<'_>) {
     let number = |factor, (&weight, &sum): (&i32, &i32)| {
         ((i128::from(weight) * i128::from(factor)) >> 32) as i64 + (i64::from(sum) << left)
     };
-    // The absolute value, rounded toward zero.
+    // The absolute value, rounded toward zero, whereas `number` rounds down.
     let size = |pair: (&i32, &i32)| match number(factor, pair) {
         number @ 0.. => number,
         _ => number(-factor, pair) - 2 * (i64::from(*pair.1) << left),
@@ -649,7 +649,7 @@ fn cells() {
     }
 }
 
-/// Compares norms with the formula: for random energies, for the smallest energy with each root, and for that less 1.
+/// Compares norms with the formula: for random energies, for the smallest mean energy with each norm, and for 1 less.
 fn norms_of_rows() {
     let mut noise = Noise(17);
     for (case, kind) in (0..47_200_u32).step_by(STEP).flat_map(|case| [0, 1, 2].map(|kind| (case, kind))) {

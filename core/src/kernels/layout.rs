@@ -1,4 +1,4 @@
-//! Cell size of the robust tracker's features, layout of a correlation filter on the cells, and scratch memory.
+//! Cell size of the robust tracker's features, sizes of a correlation filter on the cells, and scratch memory.
 
 use core::ops::Range;
 
@@ -28,14 +28,14 @@ impl Packed {
     }
 }
 
-/// Layout of a correlation filter on the feature bytes of cells.
+/// Sizes of a correlation filter, and of the rows of feature bytes over which it slides.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     /// Number of weights in a row of the filter: one for each feature byte under the row.
     pub(crate) row: usize,
     /// Bytes from a row of cells to the next one.
     pub(crate) stride: usize,
-    /// Bytes from an offset to its right neighbour.
+    /// Bytes from a filter offset to its right neighbour.
     pub(crate) step: usize,
     /// Number of filter offsets on each axis.
     pub(crate) span: usize,

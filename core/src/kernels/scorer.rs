@@ -114,7 +114,7 @@ impl<'a> Scorer<'a> {
     pub(crate) const BOUNDS_FOUR: bool =
         cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "arm")) || Self::RANGES_OF_ROWS;
 
-    /// Bit mask of four neighbouring offsets: the bits of `wanted` whose score may reach `floor`; see
+    /// Bit mask of those of four neighbouring offsets that are `wanted` and whose score may reach `floor`; see
     /// [`Scores::candidates`]. Returns `wanted` if the template is too large or the patch too small.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {

@@ -45,9 +45,9 @@ pub(crate) trait Scores {
 
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
-    /// Bit mask of four neighbouring offsets: the bits of `wanted` whose score may reach `floor`. Bit i is cleared only
-    /// if the offset i columns to the right cannot. The patch has three more columns than the template. Backends
-    /// without a fast bound return `wanted`.
+    /// Returns `wanted`, a bit for each of four neighbouring offsets, with some bits cleared: bit i only if the score
+    /// at the offset i columns to the right cannot reach `floor`. The patch has three more columns than the template.
+    /// Backends without a fast bound return `wanted`.
     #[inline(always)]
     fn candidates(&self, _patch: Image<'_>, _template: Image<'_>, _floor: u32, wanted: u8) -> u8 {
         wanted

@@ -7,8 +7,8 @@ use super::scorer::Scorer;
 use crate::image::Image;
 use memory::Guarded;
 
-/// Three memory areas with inaccessible pages before and after each; plain allocations on other systems, and under
-/// Miri, which checks every access itself.
+/// Three memory areas with inaccessible pages before and after each (on Unix); plain allocations on other systems, and
+/// under Miri, which checks every access itself.
 #[cfg(all(unix, not(miri)))]
 mod memory {
     use crate::kernels::check::{Areas, ROOM};
@@ -98,7 +98,7 @@ fn a_root_is_rounded_down() {
 #[test]
 fn means_are_exact() {
     for cells in 1..=9 {
-        // All energies below `cells << 10`, to combine every remainder with every next ten bits, and large ones.
+        // Large energies, and all below `cells << 10`: every remainder meets every value of the next ten bits.
         let large = (0..30).flat_map(|places| [(1 << places) - 1, (1 << places) + cells / 2, (cells << 26) - 1]);
         for energy in (0..cells << 10).chain(large) {
             assert_eq!(mean_by_parts(energy, cells), energy / cells, "{energy} / {cells}");

@@ -34,7 +34,7 @@ pub(crate) trait Rows {
     /// Selects the cells to multiply: row `first`, minus row `second` if there is one.
     fn take(&mut self, first: usize, second: Option<usize>);
 
-    /// Adds the products of the selected cells with row `number` of [`PairedSizes::factors`], for each offset across.
+    /// Adds to each offset's sum the dot product of the selected cells with row `number` of [`PairedSizes::factors`].
     fn add(&mut self, number: usize, sums: &mut [i32]);
 }
 

@@ -35,8 +35,8 @@ impl Camera {
         }
     }
 
-    /// The angles right and up from the optical axis to the centre of `target`, in radians, each as if the other were
-    /// 0: in a camera tilted by t, a pan moves the picture by only cos(t) times as much, so panning takes longer.
+    /// The angles right and up from the optical axis to the centre of `target`, in radians. Each ignores the other: if
+    /// the camera is tilted by t, a pan moves the picture only cos(t) times as much, so panning takes longer.
     pub(super) fn error_radians(&self, target: FineRect) -> (f32, f32) {
         let x = middle(target.x, target.width) - self.principal_x_pixels;
         let y = middle(target.y, target.height) - self.principal_y_pixels;

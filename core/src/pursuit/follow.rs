@@ -9,7 +9,7 @@ use core::fmt;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
-/// The number of turns of the head that are stored: the last one, and one for each frame of the longest delay (3).
+/// The number of stored turns of the head: the latest turn, and one earlier turn per frame of the longest delay (3).
 const TURNS: usize = 4;
 
 /// The configuration of a [`Pursuit`]. The [module](super) has an example.
@@ -28,8 +28,8 @@ pub struct PursuitConfig {
     pub tilt_servo: Servo,
     /// The time for which the head holds still after the target is lost, before it turns home. `f32::MAX`: never.
     pub hold_seconds: f32,
-    /// The delay from a command to the frame that shows its effect, in frames, 0 to 3: 1 if the next frame is exposed
-    /// before the servos have turned. [`Pursuit::follow`] reports the motion of the picture with this delay.
+    /// The number of frames after a command, 0 to 3, that do not show its effect yet: 1 if the next frame is exposed
+    /// before the servos have turned. [`Pursuit::follow`] delays the motion that it reports by as many frames.
     pub delay_frames: u8,
 }
 
@@ -120,8 +120,8 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         })
     }
 
-    /// Updates the tracker with a frame, `elapsed_seconds` after the last one, steers by the answer, and tells the
-    /// tracker how the turn moves the picture. If a pin fails, the result contains the answer and the error.
+    /// Updates the tracker with a frame taken `elapsed_seconds` after the last one, steers by the answer, and tells the
+    /// tracker how the turn moves the picture. If a pin fails, the result contains both the answer and the error.
     ///
     /// # Errors
     /// [`FollowError`]. No pin was written then, and the tracker is unchanged.
@@ -139,8 +139,8 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         Ok(Followed { answer, commanded })
     }
 
-    /// Steers by an answer of the tracker, `elapsed_seconds` after the last call. Use it if you update the tracker
-    /// yourself, for example in steps. Then also pass [`Pursuit::picture_motion`] to the tracker.
+    /// Steers by an answer of the tracker; `elapsed_seconds` is the time since the last call. For programs that update
+    /// the tracker themselves, for example in steps. They must also pass [`Pursuit::picture_motion`] to the tracker.
     ///
     /// Turns the head to bring the centre of the box onto the optical axis, or if the target is lost as in
     /// [`Pursuit::wait`]. The indicator is on in the states tracking and leaving.
@@ -174,8 +174,8 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         self.turn_to(pan, tilt, false)
     }
 
-    /// The expected motion of the picture to the next frame, right and down, in units of 1/256 pixel, for
-    /// [`Target::moved`]: the effect of the command [`PursuitConfig::delay_frames`] frames before the last command.
+    /// The expected motion of the picture from the last frame to the next, right and down, in units of 1/256 pixel, for
+    /// [`Target::moved`]: the effect of the head's turn [`PursuitConfig::delay_frames`] commands before the last one.
     #[must_use]
     pub fn picture_motion(&self) -> (i32, i32) {
         let (right, up) = self.turns.get(usize::from(self.delay_frames)).copied().unwrap_or_default();

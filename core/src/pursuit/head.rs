@@ -21,7 +21,7 @@ pub struct Axis {
     pub home_radians: f32,
     /// Speed per error, in 1/s; more than 0. A gain of 10 turns the axis by 1/3 of the error per frame at 30 frames/s.
     pub gain_per_second: f32,
-    /// The largest error at which the axis holds still; at least 0. One pixel is 1 / focal length (in pixels) radians.
+    /// The axis holds still up to this error; at least 0. One pixel of error is 1 / (focal length in pixels) radians.
     pub deadband_radians: f32,
     /// The largest speed; more than 0. Choose one that the servo can follow under its load.
     pub slew_radians_per_second: f32,

@@ -36,7 +36,7 @@ impl defmt::Format for Table {
 pub(crate) static PAPER: Table = Table::PAPER;
 
 impl Table {
-    /// The similarity of equal pixels: 1.0.
+    /// The similarity of equal pixels: 65535, which stands for 1.0.
     pub const ONE: u16 = kernels::ONE;
 
     /// The largest number of pixels whose similarities a score can sum without overflow: 65537.

@@ -60,12 +60,12 @@ pub struct Answer {
     pub fine: FineRect,
     /// The tracker's judgement of the box.
     pub state: State,
-    /// Confidence in the box. [`Paper`](crate::Paper): the ratio, or 0 when lost. [`Robust`](crate::Robust): a running
-    /// mean of 2/3 * the early template's agreement + 1/3 * min(2 * the filter's response, 1).
+    /// Confidence in the box. [`Paper`](crate::Paper): `ratio`, or 0 when lost. [`Robust`](crate::Robust): a running
+    /// mean of 2/3 * the agreement with the early (slowly learned) template + 1/3 * min(2 * the filter's response, 1).
     pub confidence: u16,
     /// Similarity of the pixels in the box to the template. [`Paper`](crate::Paper): the similarity matching ratio,
     /// which is the peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth
-    /// lowest ratio of the 16 tiles of the early template; 0 if the box has too little contrast or is clipped.
+    /// lowest such ratio among the 16 tiles of the early template; 0 if the box has too little contrast or is clipped.
     pub ratio: u16,
     /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` from
     /// `Robust`, and if no decision depended on it: see [`runner_up_always`](crate::paper::Config::runner_up_always).
@@ -103,7 +103,7 @@ pub struct MostWork {
     pub update: u64,
     /// Upper bound of the work of a lock.
     pub lock: u64,
-    /// Upper bound of the work by which a step exceeds its grant, as it completes what it has begun. (A lock of `Paper`
-    /// is one step, whatever its grant.) Not included: one pass over the template and the weights as a call ends.
+    /// Upper bound of the work by which a step exceeds its grant, because a piece of work cannot be divided. Excludes a
+    /// lock of `Paper`, which is always one step, and a pass over template and weights as a call ends.
     pub beyond_a_step: u32,
 }

@@ -2,7 +2,7 @@
 //!
 //! It processes four bits at a time with a table of 64 bytes: 120 bytes of flash, where usual crates take 1.5 KB.
 
-/// The remainder of each group of four bits, divided by the polynomial of the CRC.
+/// Entry i: the remainder of the four bits i after division by the polynomial of the CRC.
 #[allow(clippy::indexing_slicing)] // evaluated at compile time
 const TABLE: [u32; 16] = {
     let mut table = [0; 16];

@@ -78,7 +78,7 @@ errors! {
         Truncated => "the saved target ends too early",
         /// The bytes have changed since they were written.
         Damaged => "the saved target is damaged: its checksum is wrong",
-        /// The other tracker saved the target.
+        /// A tracker of the other kind (`Paper` or `Robust`) saved the target.
         OtherTracker => "the target was saved by the other tracker",
         /// The configuration is not the one the target was saved with. Contains the first setting that differs.
         OtherConfig(name: &'static str) => "the target was saved with another configuration: {name} differs",

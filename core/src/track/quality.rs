@@ -23,8 +23,8 @@ use crate::similarity::{Backend, CutTable, Scorer, Table};
 pub struct Quality(u16);
 
 impl Quality {
-    /// The limit below which a quality is poor. A flat target with noise of +-4 gray levels has about 700. Among the
-    /// first boxes of 90 recordings the two lowest have 1128 (a face in the dark) and 16,866.
+    /// The limit below which a quality is poor. A flat target with noise of +-4 gray levels has a quality of about 700.
+    /// The two lowest among the first boxes of 90 recordings are 1128 (a face in the dark) and 16,866.
     pub const POOR_BELOW: u16 = Table::ONE / 64;
 
     pub(super) const NONE: Self = Self(0);
@@ -82,7 +82,7 @@ mod tests {
         for size in [(16, 16), (1, 1), (1, 30), (30, 1), (2, 2), (200, 300)] {
             assert_eq!(quality(|_, _| 90, size), 0, "{size:?}");
         }
-        // An edge along an axis, and a periodic pattern.
+        // An edge along an axis and a periodic pattern also have a quality of 0.
         assert_eq!(quality(|x, _| if x < 8 { 20 } else { 200 }, (16, 16)), 0);
         assert_eq!(quality(|x, y| if (x / 2 + y / 2) % 2 == 0 { 20 } else { 200 }, (16, 16)), 0);
     }

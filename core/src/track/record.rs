@@ -230,8 +230,8 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// Records the pixels that the update will read, before [`Target::update`] or the first step. Writes nothing if the
-    /// update would fail.
+    /// Records the pixels that the next update will read. Call it before [`Target::update`] or the first step. Writes
+    /// nothing if the update would fail.
     ///
     /// # Errors
     /// The writer's.
@@ -383,7 +383,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
 
     #[inline(never)] // one copy in flash
     fn image(&mut self, image: &Image<'_>) {
-        // Not `rows`: the compiler would keep a division by the stride and its panic.
+        // `Image::rows` would compile to a division by the stride, with a panic if that is 0.
         (0..image.height()).for_each(|y| self.put(image.row(y)));
     }
 }

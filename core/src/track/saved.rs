@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The reason why a target was not restored. Stores the index of a setting, so that a program need not link the names.
+/// The reason why a target was not restored. Stores a setting's index, so that a program need not contain all names.
 pub(super) enum Refusal {
     Error(RestoreError),
     /// Index of the first value of the configuration that differs.

@@ -323,7 +323,7 @@ fn the_preset_robust_is_the_same_in_every_build() {
     }
 }
 
-/// A checksum of everything that a user sees of the preset `robust`: equal in builds with and without the refiner.
+/// Checks that all output of the preset `robust` has the same checksum in builds with and without the refiner.
 #[test]
 fn the_preset_robust_answers_the_same_in_every_build() {
     let mut sum = Crc::new();

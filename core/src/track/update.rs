@@ -18,7 +18,7 @@ pub(super) const SEAL: &Seal = &Seal(());
 enum Call {
     Nothing,
     Update,
-    /// A lock, with the size of the frame and the box.
+    /// A lock: the size of the frame, and the box.
     Lock([u16; 2], Rect),
 }
 
@@ -27,7 +27,7 @@ enum Call {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget {
     granted: u32,
-    /// Saturates at `u32::MAX`.
+    /// The work of all steps so far; saturates at `u32::MAX`.
     done: u32,
 }
 

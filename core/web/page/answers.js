@@ -1,7 +1,7 @@
 // Storage of the trackers' answers by target and frame number, compact enough for long videos.
 
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
-// The integer that represents 1.0 in the trackers, for each value of an answer; figures.js expects these units.
+// Factors from the values of a row to the stored ones: the integers that stand for 1.0 in the trackers and figures.js.
 const UNITS = { x: 1, y: 1, width: 1, height: 1, confidence: 65535, alpha: 1, ratio: 65535, scale: 65536, work: 1, runnerUpRatio: 65535 };
 const COLUMNS = Object.keys(UNITS);
 const LEAST = 1024;
@@ -9,7 +9,7 @@ const LEAST = 1024;
 export class Answers {
   #targets = new Map(); // the rows by id
 
-  /** Stores rows [id, frame, state, x, y, ...] as host-sim sends them. Each replaces an earlier row of its frame. */
+  /** Stores rows [id, frame, state, x, y, ...] as host-sim sends them. Each replaces a row of the same id and frame. */
   take(rows) {
     for (const [id, number, state, ...values] of rows) {
       if (!this.#targets.has(id)) {
@@ -32,7 +32,7 @@ export class Answers {
     }
   }
 
-  /** Allows the frames before frame `before` to be removed, now or later. */
+  /** Allows answers in frames before the frame `before` to be removed, now or later. */
   forget(before) {
     this.#targets.forEach((rows) => rows.forget(before));
   }
@@ -46,7 +46,7 @@ export class Answers {
     return STATES[this.#targets.get(id)?.state(number)];
   }
 
-  /** Returns an answer { number, state, box, confidence, ... } without missing values; undefined if there is none. */
+  /** Returns an answer { number, state, box, ... } with all values that are known; undefined if there is no answer. */
   at(id, number) {
     return this.#targets.get(id)?.row(number);
   }
@@ -72,7 +72,7 @@ export class Answers {
     }
   }
 
-  /** Returns { last }: `last(column)` lists the values of a column such as "ratio" in the frames `first` to `last`. */
+  /** Returns { last }, a function: `last("ratio")` lists that column's values in those frames that have an answer. */
   around(id, first, last) {
     const rows = this.#targets.get(id);
     const numbers = Array.from({ length: Math.max(last - first + 1, 0) }, (_, at) => first + at).filter((number) => rows?.state(number) !== undefined);
@@ -119,7 +119,7 @@ class Rows {
     COLUMNS.forEach((name, column) => {
       this.#columns[name][at] = (values[column] ?? NaN) * UNITS[name];
     });
-    // An answer without confidence is a lock, for which no update has done any work.
+    // A row without confidence comes from a lock: its work is missing, because a lock is not an update.
     if (Number.isNaN(this.#columns.confidence[at])) {
       this.#columns.work[at] = NaN;
     }
@@ -132,7 +132,7 @@ class Rows {
     this.version += 1;
   }
 
-  // Moves the arrays only when many answers can be removed.
+  // Does nothing unless more than LEAST answers can be removed, because all arrays are moved.
   forget(before) {
     if (before - this.first > LEAST) {
       this.#move(before, this.#states.length);

@@ -238,7 +238,7 @@ function measure() {
     const known = recording.frames === null ? Math.max(followed ?? 0, playback.frame ?? 0, recording.first) : recording.first + recording.frames - 1;
     playback.reach(recording.first, known);
     if (playback.frame > known) {
-      // The first count of frames was too large.
+      // The first count of frames, an estimate, was too large.
       playback.goTo(known);
     }
   } else if (news.live) {
@@ -246,7 +246,7 @@ function measure() {
     playback.reach(oldest, newest);
     answers.forget(oldest);
     if (playback.followsNewest) {
-      // Shows the newest frame whose boxes are known, unless they are very late.
+      // Shows the newest frame whose boxes are known, but stays at most MOST_LATE frames behind the newest one.
       playback.goTo(edits.targets.length === 0 || followed === null ? newest : clamp(followed, newest - MOST_LATE, newest));
     }
   }
@@ -487,7 +487,7 @@ function droppedOf({ dropped }) {
 function pressed(event) {
   const { key, target, ctrlKey, metaKey, altKey, shiftKey } = event;
   const isTyping = target.matches("input[type=text], select, textarea");
-  // Radio buttons handle the arrow keys themselves, buttons and links the space bar.
+  // Radio buttons handle the arrow keys themselves; buttons and links handle the space bar.
   const isOwn = key === " " ? target.matches("button, a, summary, input:not([type=range])") : target.matches("input[type=radio]");
   if (event.defaultPrevented || isTyping || altKey) {
     return;
@@ -511,7 +511,7 @@ function acted(event) {
   return unlocks || (event.key === "Escape" && escaped()) || playback.key(event) || viewport.key(event);
 }
 
-// Closes the menu or, if it is closed, stops adding a target.
+// Closes the menu of exports or, if it is closed, stops adding a target.
 function escaped() {
   const isOpen = byId("export").open;
   byId("export").open = false;
@@ -571,7 +571,7 @@ function listen() {
 function useMethod() {
   Object.assign(recording, chosenTracker(recording));
   trying(source.method(recording.method, recording.options));
-  // Closes the element, because it shows the former settings.
+  // Closes the element `firmware`, because it shows the former settings.
   byId("firmware").open = false;
   showMethod();
   draw();
@@ -599,7 +599,7 @@ function save(name, content) {
   const type = TYPES[name.split(".").at(-1)];
   const address = URL.createObjectURL(new Blob([content], { type }));
   htmlNode("a", { href: address, download: name }).click();
-  // Revoked later, because the browser reads the file after this call.
+  // The address is revoked later, because the browser reads the file after this call.
   setTimeout(() => URL.revokeObjectURL(address), 60_000);
 }
 

@@ -42,7 +42,7 @@ function add(address, places, parts, above) {
     .replace(REMARK, "")
     // Removes indentation, which is safe because no string spans lines.
     .replace(/^ +/gm, "")
-    // A page opened from disk cannot start a module as its worker, and only modules have `import.meta`.
+    // `import.meta` exists only in modules, but the worker of a page opened from disk cannot be a module.
     .replaceAll("import.meta.url", "self.location.href");
   const left = body.match(/^(?:import\s*[{"*\w]|export ).*/m);
   if (left !== null && !left[0].startsWith("import(")) {

@@ -72,7 +72,7 @@ export class Camera {
     return { live: { oldest: this.oldest, newest: this.last, dropped: this.#dropped, latency_ms: performance.now() - time } };
   }
 
-  /** Empty, because the worker has the frames already. */
+  /** Returns no picture, because the worker has the frames already. */
   async frame() {
     return {};
   }

@@ -50,7 +50,7 @@ export class Connection {
         if (parts.length > 0) {
           news.rows.push(...(await answersOf(parts, now())));
         }
-        // Waits for the reply to this page's own change, so that it is not taken for a change by another page.
+        // Waits for the reply to this page's own change, so that the change is not taken for one by another page.
         await this.#sending;
         const isNew = news.revision > this.#revision;
         this.#revision = Math.max(this.#revision, news.revision ?? 0);
@@ -64,7 +64,7 @@ export class Connection {
     gone();
   }
 
-  /** Sends the list of targets, after any list still being sent. Throws host-sim's reason if it refuses. */
+  /** Sends the list of targets, after any list still being sent. Throws host-sim's reason if the list is refused. */
   targets(targets) {
     const sent = this.#sending.then(async () => {
       const answer = await told("targets", targets.map(toldOf), { "If-Match": `"${this.#revision}"` });

@@ -10,7 +10,7 @@ export class Detail {
   #timer = null;
   #here = null; // { number, part, picture }
 
-  /** `load(number, part)` fetches a part { x, y, width, height } in whole pixels; `came()` is called once loaded. */
+  /** `load(number, part)` fetches a frame's part { x, y, width, height } (whole pixels). Then `came()` is called. */
   constructor(load, came) {
     [this.#load, this.#came] = [load, came];
   }

@@ -19,9 +19,9 @@ export class Drag {
   #box = null; // what is drawn
 
   /**
-   * `page`: { size() of the frame or null, view() the visible part of the frame, start() the first box for drawing by
-   * keys, propose(box or null), lock(box, grip) which returns false to keep the box drawn, click(point), grip(point,
-   * reach) the box at a point as { box, held } with `held` from `gripOf`, or null }.
+   * `page` has: size() of the frame or null; view(), its visible part; start(), the first box when keys draw;
+   * propose(box or null); lock(box, grip), false to keep the box drawn; click(point); grip(point, reach), the box at
+   * the point and its gripped part (see `gripOf`) as { box, held }, or null.
    */
   constructor(canvas, page) {
     this.#canvas = canvas;
@@ -141,7 +141,7 @@ export class Drag {
 /** Returns the part of a box at a point as [across, down], each -1 or 1 at an edge and 0 inside; null if outside. */
 export function gripOf(box, { x, y }, reach) {
   const side = (value, from, size) => {
-    // At least the middle half of a box counts as its inside, where a drag moves the box.
+    // At least the middle half of a box's width and height counts as inside, where a drag moves the box.
     const inner = Math.min(reach, size / 4);
     if (value < from - reach || value > from + size + reach) {
       return null;

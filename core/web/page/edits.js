@@ -64,7 +64,7 @@ export class Edits {
     this.#chosen = this.chosen?.id ?? (isAdding ? null : (this.targets[0]?.id ?? null));
   }
 
-  /** Locks a target on `box` in a frame, replacing its lock there; without a target, adds a new one. */
+  /** Locks a target on `box` in a frame, replacing the target's lock there. If `target` is null, adds a new target. */
   lock(number, box, target = this.chosen) {
     const { id, name, color, locks } = target ?? this.#made();
     const others = locks.filter((lock) => lock.number !== number);
@@ -129,7 +129,7 @@ export class Edits {
     if (step === undefined) {
       return;
     }
-    // A later change that is refused as well must revert to the state before this change.
+    // If a later change is refused as well, it must revert to the state before this change.
     this.#steps.filter(({ before }) => before.targets === targets).forEach((later) => (later.before = step.before));
     if (this.targets === targets) {
       ({ targets: this.targets, past: this.#past, future: this.#future, chosen: this.#chosen } = step.before);

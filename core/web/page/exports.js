@@ -7,8 +7,8 @@ const ONE_TARGET = "holds one target only";
 const NO_BOX = "draw a box first";
 
 /**
- * Fills the menu. `formats` are { name, several }, `films` the extensions of videos. `take(format)` saves boxes;
- * `make(what, options)` starts to write a video or a report, and is undefined if the source cannot.
+ * Fills the menu. `formats` are { name, several: true if it stores several targets }, `films` the extensions of videos.
+ * `take(format)` saves boxes; `make(what, options)` starts to write a video or report, undefined if that is impossible.
  */
 export function drawMenu(place, { formats, films }, { take, make }) {
   const boxes = formats.map(({ name, several }) => button(FORMATS[name] ?? name, { "data-several": several }, () => take(name)));

@@ -1,4 +1,4 @@
-// The table of the tracker's answer and cost for the chosen target, and its curves: states, confidence and ratio.
+// Shows the chosen target's answers: a table of the shown frame's answer and its cost, and curves over the frames.
 
 import { about, instructions } from "./cost.js";
 import { htmlNode, sample } from "./dom.js";
@@ -21,7 +21,7 @@ const ROWS = [
   ["Cortex-M55", (now, method) => about(instructions(method, now).m55)],
 ];
 
-/** Fills the table with `now`, the answer of `method` for the shown frame, or undefined. */
+/** Fills the table with `now`, the answer of `method` for the shown frame, or with dashes if `now` is undefined. */
 export function drawFigures(table, method, now) {
   if (table.dataset.of !== method) {
     table.dataset.of = method;
@@ -42,7 +42,7 @@ export function drawFigures(table, method, now) {
 export const FRAMES = 300;
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
 
-/** Returns charts for graph.js. `around` has the answers to plot (see answers.js); if undefined, they are empty. */
+/** Returns charts for graph.js, of the answers in `around` (see answers.js); empty charts if it is undefined. */
 export function chartsOf(place, method, around) {
   const lines = (column, read) => (around === undefined ? [] : [{ title: SHORT[method], look: method, numbers: around.last("number"), values: around.last(column).map(read) }]);
   const part = (value) => value / 65535;

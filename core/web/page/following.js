@@ -18,7 +18,7 @@ export class Following {
   #isBusy = false;
   #began = null; // { time, count } of the frames that are followed now
 
-  /** `tell` receives news in the form of `heard` in application.js. */
+  /** `tell` is called with news, in the form that `heard` in application.js takes. */
   constructor(follower, tell) {
     [this.#follower, this.#tell] = [follower, tell];
   }
@@ -45,8 +45,8 @@ export class Following {
   }
 
   /**
-   * Replaces the targets. If a tracker refuses the first of the new boxes, throws its reason and restores the former
-   * targets. Also throws if a target would have to be tracked again from a frame that is not kept any more.
+   * Replaces the targets and waits for the lock on the first new box: if it is refused, throws the reason and restores
+   * the former targets. Also throws if a target would have to be tracked again from a frame that is not kept any more.
    */
   async targets(wanted) {
     const lost = wanted.map(({ id, locks }) => this.#targets.get(id)?.anew(locks) ?? locks[0].number).find((number) => number < this.#oldest);
@@ -80,7 +80,7 @@ export class Following {
     return Math.min(this.#source.last, ...[...this.#targets.values()].map(({ next }) => next - 1));
   }
 
-  /** Tracks all targets in all available frames, unless it is running already. */
+  /** Tracks all targets in all available frames. Returns at once if an earlier call is still running. */
   async run() {
     if (this.#isBusy) {
       return;
@@ -177,7 +177,7 @@ export class Target {
   rows = new Map(); // by the number of the frame
   #isActive = false;
 
-  /** Takes over the answers before the frame `from`, where tracking starts again, from the former state `before`. */
+  /** Copies the answers before frame `from` from the target's former state `before`. Tracking restarts at `from`. */
   constructor(id, locks, from, before) {
     [this.id, this.locks] = [id, locks];
     this.at = from - 1;
@@ -198,7 +198,7 @@ export class Target {
     const has = (all, { number, box }) => all.some((one) => one.number === number && one.box === box);
     const changed = [...locks.filter((lock) => !has(this.locks, lock)), ...this.locks.filter((lock) => !has(locks, lock))];
     const first = Math.min(...changed.map(({ number }) => number));
-    // The worker may be processing the frame after `at` already, with the former locks.
+    // A change in the frame after `at` needs a restart, too: the worker may be processing it with the former locks.
     if (first > this.at + 1) {
       return Infinity;
     }
@@ -207,7 +207,7 @@ export class Target {
     return before === undefined || before.box === null ? first : before.number;
   }
 
-  /** Stores an answer, or a lock's quality, as the row of a frame and returns it; without both the target is gone. */
+  /** Stores and returns the row of a frame: an answer, or a lock's quality. If both are missing, the target is gone. */
   took(number, { answer, quality }, kept) {
     this.at = number;
     this.#isActive = answer !== undefined || quality !== undefined;

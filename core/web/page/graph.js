@@ -353,7 +353,7 @@ function drawGrid(context, { lines, most }, bottom, right) {
 function drawBand(context, { title, numbers, values }, top, x) {
   for (const { value, from, to } of spansOf(values, numbers)) {
     context.fillStyle = palette()[value];
-    // Rounds to whole pixels, so that there is no gap between neighbours.
+    // Rounds to whole pixels, so that there is no gap between neighbouring runs.
     const [left, right] = [Math.round(x(numbers[from] - 0.5)), Math.round(x(numbers[to] + 0.5))];
     context.fillRect(left, top + 1, Math.max(right - left, 1), BAND - 2);
   }
@@ -388,7 +388,7 @@ function drawLine(context, line, x, y, span) {
 
 /**
  * Thins a line to about `columns` columns, so that the count of points to draw does not grow with the recording.
- * Returns the indices of the least and the largest value of each column, in order; null for a column without values.
+ * Returns the indices of each column's least and largest value, smaller index first; null for a column without values.
  */
 export function thinned({ numbers, values }, { from, to }, columns) {
   const [first, end] = [Math.max(placeIn(numbers, from) - 1, 0), Math.min(placeIn(numbers, to) + 1, numbers.length)];

@@ -10,7 +10,7 @@ export const SETTINGS = {
   smr: { config: "camera" },
 };
 
-/** Creates a tracker with options of `host-sim track`: { set: ["reach=6", "size=off", ...] } or { config }. */
+/** Creates a tracker with options of `host-sim track`: { set: ["reach=6", "size=off", ...] }, or for smr { config }. */
 export function trackerOf(library, { method, options: { set = [], config = "paper" } }) {
   if (method === "smr") {
     return library.paper({ preset: config });

@@ -17,7 +17,7 @@ export class Playback {
   shown = null;
   first = 1;
   last = 1;
-  /** True if a live source is shown at its newest frame. */
+  /** True if the page moves on to each new frame of a live source. */
   followsNewest = true;
   #pictures;
   #page;
@@ -26,9 +26,9 @@ export class Playback {
   #peeked = null; // the number of a frame that is looked at beside the one that is shown
 
   /**
-   * `page`: { picture(number) a promise for the picture of a frame, isLive(), timeOf(number) its time in seconds or
-   * null, speed() a factor, isHeld() true while the picture must not change, changed(), failed(error), marks() frame
-   * numbers to jump to, in order, visited(number) }.
+   * `page` has: picture(number), a promise for the frame's picture; isLive(); timeOf(number) in seconds or null;
+   * speed(), a factor; isHeld(), true while the picture must not change; changed(); failed(error); marks(), ascending
+   * numbers of frames to jump to; visited(number).
    */
   constructor(page) {
     this.#page = page;
@@ -111,7 +111,7 @@ export class Playback {
     this.play(!this.isPlaying);
   }
 
-  /** Restarts the clock of playback at the requested frame, as after a change of the speed. */
+  /** Restarts the clock of playback at the requested frame, for example after a change of the speed. */
   restart() {
     this.#playing = this.#playing && restarted(this.frame);
   }
@@ -144,8 +144,8 @@ export class Playback {
     this.#pictures.want([...new Set([this.frame, ...ahead, this.shown, this.#peeked].filter((number) => number !== null))]);
   }
 
-  // Handles a loaded picture. Until the requested frame is loaded, shows any that is nearer to it than the shown frame.
-  // The first picture of a camera is always shown, because the camera has moved on when it arrives.
+  // Handles a loaded picture. While the requested frame is loading, shows any picture that is nearer to it than the
+  // shown one. A camera's first picture is always shown: when it arrives, the requested frame is already a later one.
   #came(number) {
     const isNearer = this.shown === null ? this.#page.isLive() : Math.abs(number - this.frame) < Math.abs(this.shown - this.frame);
     if (number === this.frame || isNearer) {

@@ -18,7 +18,7 @@ export class Preview {
     place.append(this.#box);
   }
 
-  /** Draws the preview of frame `number` (and `picture`, if given) around `x` pixels from the left; null hides it. */
+  /** Draws the preview of frame `number` (and `picture` if given) near position `x` (pixels); hides it for null. */
   draw({ number, x, picture, size, timeOf }) {
     this.#box.hidden = number === null;
     if (number === null) {

@@ -85,7 +85,7 @@ function open(one) {
   fit();
 }
 
-/** Returns the events of all targets by frame, according to the first method of each target. */
+/** Returns the events of all targets, sorted by frame, from the answers of the first method of each target. */
 function eventsOfAll() {
   const of = ({ name, locks }, target) => {
     const { states } = recording.entrants.find((entrant) => entrant.target === target);

@@ -23,11 +23,11 @@ export function drawStage(canvas, scene) {
 }
 
 /**
- * Draws a frame and boxes on a canvas area of `width` by `height`. `view` is the visible part of the frame of `size`;
- * it may include a margin. `under(context, placed)` draws below the boxes; `placed(box)` converts a box to canvas
- * pixels.
- * `boxes` are { box, color, dash, words, isChosen, isLast, hasHandles }; `isLast` marks a box from an earlier frame.
- * `words` are { text, color } for the corner. `proposed` is the box that the user draws, or null.
+ * Draws a frame and boxes on a canvas area of `width` by `height`. `size` is the size of the frame, and `view` its
+ * visible part, which may include a margin around it. `under(context, placed)` draws what lies below the boxes;
+ * `placed(box)` converts a box to canvas pixels. `boxes` are { box, color, dash, words, isChosen, isLast, hasHandles };
+ * `isLast` marks a box from an earlier frame. `words` are { text, color } for the corner. `proposed` is the box that
+ * the user draws, or null.
  */
 export function drawFrame(context, { width, height }, { picture, size, view = { x: 0, y: 0, ...size }, under = () => {}, boxes, words = [], proposed = null, color = "#fff" }) {
   const scale = width / view.width;
@@ -47,7 +47,7 @@ export function drawFrame(context, { width, height }, { picture, size, view = { 
   drawWords(context, words, width);
 }
 
-/** Gives boxes that coincide alternating dashes, so that all colors are visible. */
+/** Gives coinciding boxes alternating dashes, so that all their colors are visible. */
 export function sharing(boxes) {
   const groups = [];
   for (const one of boxes.filter(({ isLast }) => !isLast)) {

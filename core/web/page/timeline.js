@@ -5,7 +5,7 @@ import { placeOf } from "./events.js";
 import { palette } from "./palette.js";
 
 const WORST_LAST = [undefined, "tracking", "leaving", "uncertain", "lost"];
-// Largest number of frames whose states are read in one drawing; the next drawings go on through a long video.
+// Largest number of frames whose states are read in one drawing. A long video takes several drawings.
 const BUDGET = 10_000;
 const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6, LEAST_HEIGHT = 32;
 // Milliseconds for which the playhead stays where the user put it, if that frame cannot be shown.
@@ -74,7 +74,7 @@ export class Timeline {
   #hasKeys = true; // the user moves the head by keys
   #drawing = null;
 
-  /** `page`: { goTo(frame) when the user moves the head, hover(frame or null, x) when the mouse moves, optional }. */
+  /** `page`: { goTo(frame) when the user moves the head; optionally hover(frame or null, x) when the mouse moves }. */
   constructor(place, page) {
     this.#page = page;
     // The visible canvas lies below a transparent input, which provides keys and accessibility.

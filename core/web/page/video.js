@@ -8,7 +8,7 @@ import { htmlNode } from "./dom.js";
 const LIKELY_STEP = 1 / 30;
 // Time between two pictures, as a factor of the usual one, above which a picture may have been skipped.
 const GAP = 1.5;
-// Longest time that a picture is shown, as a factor of the usual one; more than 1, because times are rounded.
+// Longest time for which a picture is shown, as a factor of the usual time; more than 1, because times are rounded.
 const SLACK = 1.25;
 // Ratio of the mean to the shortest time between pictures, above which a video's frames count as uneven.
 const UNEVEN = 1.2;
@@ -18,7 +18,7 @@ const TIME_EPSILON = 0.0005;
 const MOST_WAITING = 3;
 // Playback rate, while pictures are taken from the queue fast enough.
 const SPEED = 2;
-// Factor of the playback rate after a skipped picture, and count of unskipped pictures after which it is undone.
+// Factor of the playback rate after a skipped picture, and number of pictures without a skip that undo one such factor.
 const SLOWER = 0.8, PATIENCE = 10;
 // Smallest factor of the playback rate: below it, seeking to each picture is faster.
 const LEAST_PART = 0.3;
@@ -321,7 +321,7 @@ export class Video {
     return found;
   }
 
-  // Waits for the picture that is shown: on a busy machine a seek may end before its picture is available.
+  // Waits until the shown picture is available: on a busy machine a seek may end earlier.
   async #there() {
     for (let waits = 0; waits < WAITS_FOR_ANY && !this.#stopped.signal.aborted; waits++) {
       const found = this.#shown();
@@ -337,7 +337,7 @@ export class Video {
     return Promise.race([new Promise((resolve) => this.#video.requestVideoFrameCallback(resolve)), wait(LATE_MS)]);
   }
 
-  // True if `found` may still be the picture shown before the seek to `time`, or the next one, shown during the pause.
+  // True if `found` may still be from before the seek to `time`: the picture at `before` or, shown late, the next one.
   #isLate(found, before, time) {
     const step = this.#known.step ?? LIKELY_STEP;
     const isThere = found.time <= time + TIME_EPSILON && time < found.time + SLACK * step;

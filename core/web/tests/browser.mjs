@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 
 const PROGRAM = process.env.CHROMIUM ?? "chromium";
-// Longest wait, which is long because other steps of `.ci/run` may keep the processors busy.
+// Longest wait in seconds for a condition. It is long because other steps of `.ci/run` may keep the processors busy.
 const MOST_SECONDS = 120;
 
 export function hasBrowser() {

@@ -65,7 +65,7 @@ function blocks(width, height, { bytes }) {
   return Uint8Array.from({ length: width * height }, (_, at) => grays[Math.floor(at / width / 4) * across + ((at % width) >> 2)]);
 }
 
-/** Yields frames { data, width, height, box } of a textured box that moves by `speed` pixels [right, down]. */
+/** Yields frames { data, width, height, box } of a textured box, moving by `speed` pixels [right, down] per frame. */
 export function* frames({ width = 160, height = 120, side = 24, down = side, speed = [2, 1], count = 20, seed = 7 } = {}) {
   const numbers = random(seed);
   const background = blocks(width, height, numbers).map((level) => 64 + level / 4);

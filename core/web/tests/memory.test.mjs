@@ -59,7 +59,7 @@ test("the memory of trackers that nobody has comes back", async () => {
   };
   const before = await forget();
   await forget();
-  // The stack may still reference the last tracker.
+  // The last tracker may remain in memory, because the stack may still reference it.
   assert.ok((await forget()) - before <= 3 * 65_536);
 });
 

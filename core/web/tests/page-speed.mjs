@@ -54,7 +54,7 @@ const tried = (read) => {
 const fields = (file) => readFileSync(file, "utf8").split(") ").at(-1).split(" ");
 const isRenderer = (pid) => tried(() => readFileSync(`/proc/${pid}/cmdline`, "utf8").includes("--type=renderer")) ?? false;
 
-/** Returns the megabytes of all processes that run pages. */
+/** Returns the memory, in megabytes, of all processes that run pages. */
 function memory(parent) {
   const kilobytes = family(parent).filter(isRenderer).map((pid) => Number(readFileSync(`/proc/${pid}/status`, "utf8").match(/VmRSS:\s+(\d+)/)?.[1] ?? 0));
   return Math.round(kilobytes.reduce((sum, one) => sum + one, 0) / 1024);

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 const FRAMES: usize = 300;
 const MAX_TRACKING_FRAMES: usize = 2;
-/// Covered frame, from 1, by which a tracker must report *lost*.
+/// Number of the covered frame, counted from 1, by which a tracker must have reported *lost*.
 const LOST_BY: usize = 30;
 const RECOVERY_FRAMES: usize = 10;
 
@@ -73,9 +73,9 @@ struct Covers<'a> {
 }
 
 impl Covers<'_> {
-    /// Returns a frame whose scene is not that of the recording with index `place`, scaled to `width` x `height`.
+    /// Returns a frame of another recording than the one with index `place`, scaled to `width` x `height`.
     fn other(&self, place: usize, width: u16, height: u16) -> Result<GrayFrame> {
-        // Skips half of the list of recordings, because recordings next to each other in it often show the same scene.
+        // Takes the recording half the list further on, because neighbours in the list often show the same scene.
         let path = match self.paths.len() {
             count if count > 1 && place < count => &self.paths[(place + count / 2) % count],
             _ => Path::new(synthetic::NAME),
@@ -130,7 +130,7 @@ const MEASURED: &[Column<Counts>] = &[
     ("right_again", "", 0, |of| of.right_again.into()),
 ];
 
-/// Columns of the table of covers. The median is the larger of two middle values.
+/// Columns of the table of covers. If the count is even, the median is the larger of the two middle values.
 const COVERS: &[Column<Row>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
     ("cover", "cover", 0, |row| choice_name(&row.cover).into()),
@@ -181,7 +181,7 @@ impl Row {
     }
 }
 
-/// Returns a table with a row for each run, one with a row for each tracker and cover, and a line per missed goal.
+/// Returns a table of all runs, a table with a row for each tracker and cover, and a line for each missed goal.
 fn tables(counts: &[Counts], variants: &[Variant]) -> Tables {
     let cases = variants.iter().flat_map(|variant| Cover::value_variants().iter().map(move |&cover| (variant, cover)));
     let row = |(variant, cover): (&Variant, Cover)| {

@@ -1,4 +1,4 @@
-//! Scores of whole recordings, one start each: of trackers run here and of result files, beside the paper's figures.
+//! Scores trackers run here, and result files of others, on whole recordings; shows the paper's figures beside them.
 
 use super::matrix::truth_of;
 use super::means::{means, standard_errors};
@@ -34,7 +34,7 @@ pub struct Evaluation {
     pub sequence: String,
     pub visible: usize,
     pub scores: Vec<(Contestant, Score)>,
-    /// Errors of the trackers and result files that have no score because of them.
+    /// Errors because of which a tracker or a result file has no score.
     pub failures: Vec<Error>,
     pub notes: Vec<String>,
 }
@@ -122,7 +122,7 @@ impl Evaluation {
         }
     }
 
-    /// Returns tables of scores, of means, and of correct frames beside the paper's. Methods come before result files.
+    /// Returns tables of scores, of means, and of correct frames with the paper's figures. Result files come last.
     pub fn tables(all: &[Self]) -> Tables {
         let origin = Head::all(Origin::COLUMNS);
         let figures = Score::FIGURES.iter().map(|of| Head::new(of.key, of.title, of.digits)).collect();

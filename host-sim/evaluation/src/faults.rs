@@ -1,4 +1,4 @@
-//! Test of camera faults: states during a fault, frames until the box is right again, and wrong *tracking* states.
+//! Test of camera faults: states during a fault, frames until the box is right again, wrong boxes called *tracking*.
 //!
 //! A fault is inserted at several frames of a recording, in a run each. The tracker is locked on the ground truth
 //! `LEAD` frames before the fault, and runs until `WATCHED` frames after it. The same runs without a fault are the
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 const LEAD: usize = 10;
 const WATCHED: usize = 50;
-/// Maximum number of frames of a recording at which a fault is inserted, each in a run of its own.
+/// Maximum number of frames in a recording at which a fault is inserted; each run inserts it at one of them.
 const MAX_PLACES: usize = 8;
 
 /// The default trackers: the two of smr-core.
@@ -36,15 +36,15 @@ struct Row {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Counts {
-    /// Frames delivered during the fault, by the state of the tracker.
+    /// Number of frames delivered during the fault in each state of the tracker.
     states: [usize; 4],
-    /// Frames delivered during the fault in which the target is visible.
+    /// Number of frames delivered during the fault for which the ground truth has a box.
     visible: usize,
     /// Frames during the fault in which the box was right.
     right: usize,
     /// First frame after the fault, counted from 1, in which the box was right again; `None` if it never was.
     until_right: Option<usize>,
-    /// True if the box was right in the last frame after the fault in which the target is visible.
+    /// True if, after the fault, the box was right in the last frame in which the target is visible.
     right_at_the_end: bool,
     /// Frames from the start of the fault to the end of the run.
     frames: usize,
@@ -81,7 +81,7 @@ impl<'f> Faults<'f> {
         Self { cases: std::iter::once(None).chain(faults.iter().map(Some)).collect(), longest }
     }
 
-    /// Returns the first frame after a fault that begins in frame `place`; for `None`, as for the longest fault.
+    /// Returns the first frame after a fault that begins in frame `place`; with `None`, after the longest fault.
     fn end(&self, place: usize, fault: Option<&Fault>) -> usize {
         place + fault.map_or(self.longest, Fault::frames)
     }
@@ -183,7 +183,7 @@ impl Counts {
     }
 }
 
-/// Table columns. Frames until the box was right again: median and maximum over the runs in which it became so.
+/// Table columns. Frames until the box was right again: median and maximum over the runs in which it was right again.
 const COLUMNS: &[Column<Row>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
     ("fault", "fault", 0, |row| row.fault.map_or("none".to_owned(), |fault| fault.to_string()).into()),
@@ -255,7 +255,7 @@ mod tests {
 
     fn open(name: &Path) -> Result<Sequence> {
         let mut sequence = smr_recordings::open(name, &OpenOptions::default())?;
-        // Without ground truth, the start box stands for it in all frames: even if it is wrong, no tracker may panic.
+        // The start box replaces missing ground truth in all frames: even if this truth is wrong, no tracker may panic.
         let still = vec![sequence.init; sequence.length.unwrap()];
         sequence.truth.get_or_insert(still);
         Ok(sequence)

@@ -1,6 +1,6 @@
 //! Means over recordings, and their standard errors: the recordings count as a random sample.
 
-/// Applies `of` to the values of each figure; an entry of `recordings` has all figures of one recording.
+/// Applies `of` to each figure's values over all recordings; an entry of `recordings` has all figures of one recording.
 fn over(recordings: &[Vec<f64>], of: fn(&[f64]) -> f64) -> Vec<f64> {
     let values = |figure: usize| recordings.iter().map(|one| one[figure]).collect::<Vec<_>>();
     (0..recordings.first().map_or(0, Vec::len)).map(|figure| of(&values(figure))).collect()

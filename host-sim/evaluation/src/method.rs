@@ -31,19 +31,19 @@ pub struct Report {
     /// The target's box in whole pixels; `None` when it is lost.
     pub bbox: Option<Rect>,
     pub state: State,
-    /// The figures of smr-core's decision; `None` in the frame of a lock, and from baselines.
+    /// Numbers behind smr-core's decision; `None` in the frame of a lock, and from baselines.
     pub evidence: Option<Evidence>,
     /// Upper bound of the work, as in [`Tracker::update_step`](smr_core::Tracker::update_step); `None` from baselines.
     pub work: Option<u32>,
 }
 
-/// The figures behind an answer of smr-core, as fractions: see [`Answer`].
+/// Numbers behind an answer of smr-core, as fractions: see [`Answer`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Evidence {
     pub confidence: f64,
     pub ratio: f64,
     pub runner_up_ratio: Option<f64>,
-    /// The threshold alpha in gray levels, rounded up as the tracker uses it.
+    /// Threshold alpha in gray levels, rounded up, as the tracker uses it.
     pub alpha: Option<u16>,
     pub scale: f64,
     pub found_again: bool,

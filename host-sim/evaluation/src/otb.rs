@@ -14,7 +14,7 @@ use smr_recordings::BoundingBox;
 /// Number of intervals between thresholds of the success curve, which has one point more.
 pub const STEPS: usize = 20;
 
-/// Distance of the two centres, in pixels, for which the precision is reported as one figure.
+/// Distance between the centres of answer and truth, in pixels, at which the precision is given as a single figure.
 pub const NEAR: usize = 20;
 
 /// Largest distance of the precision curve, in pixels.

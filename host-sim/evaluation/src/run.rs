@@ -19,7 +19,7 @@ pub struct Follower<M: Method + ?Sized = dyn Method> {
 }
 
 impl Follower {
-    /// Creates followers with one workspace. Errors: A box has less than one pixel, or the configuration is invalid.
+    /// Creates a follower for each target. Errors: A box has less than one pixel, or the configuration is invalid.
     pub fn all(targets: Vec<Target>, variant: &Variant) -> Result<Vec<Self>> {
         let methods = variant.build_all(targets.len())?;
         let one = |(target, method): (Target, _)| {
@@ -71,7 +71,7 @@ pub fn lock(method: &mut (impl Method + ?Sized), frame: &Frame<'_>, target: Rect
 
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// A report for each frame that was shown, from the first lock on.
+    /// A report for each frame that the tracker got, from the first lock on.
     pub reports: Vec<Report>,
     /// Frame index of each report, from 0.
     pub frames: Vec<usize>,
@@ -93,12 +93,12 @@ impl Run {
         Ok(())
     }
 
-    /// Returns all reports but the first, which is that of a lock.
+    /// Returns all reports except the first, which reports the lock.
     pub fn updates(&self) -> &[Report] {
         self.reports.get(1..).unwrap_or_default()
     }
 
-    /// Returns for each report: frame index, state, and true if its unnormalised box has an IoU above `CORRECT`.
+    /// Returns each report's frame index and state, and true if its box, not normalised, has an IoU above `CORRECT`.
     pub fn judged<'a>(&'a self, truth: &'a Trajectory) -> impl Iterator<Item = (usize, State, bool)> + Clone + 'a {
         self.frames.iter().zip(&self.reports).map(|(&frame, report)| {
             let right = |(answer, truth): (BoundingBox, BoundingBox)| truth.iou(&answer) > CORRECT;

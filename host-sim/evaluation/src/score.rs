@@ -1,4 +1,4 @@
-//! Scores a tracker on a recording by the protocol of the TLD recordings: its correct frames, and figures from them.
+//! Scores a tracker on a recording by the protocol of the TLD recordings: counts correct frames, and computes figures.
 
 use super::Report;
 use super::otb::Otb;
@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn the_first_boxes_are_made_equal() {
-        // Normalisation makes the answers half as wide and twice as high; the centre moves from (12, 4.5) to (5, 5).
+        // Normalisation halves widths and doubles heights; the first answer's centre moves from (12, 4.5) to (5, 5).
         let truth = [at(0.0, 0.0, 10.0, 10.0), at(10.0, 0.0, 10.0, 10.0), at(0.0, 0.0, 10.0, 10.0)];
         let answers = [at(2.0, 2.0, 20.0, 5.0), at(12.0, 2.0, 20.0, 5.0), at(2.0, 2.0, 40.0, 5.0)];
         let normalised: Vec<_> = normalised(&answers, &truth).collect();

@@ -85,8 +85,8 @@ mod tests {
         let truth = [at(0.0), at(0.0), at(0.0), None];
         let answers = [at(0.0), at(5.0), at(0.0), at(0.0)];
         let confidences = [None, Some(0.5), Some(0.5), Some(0.25)];
-        // Threshold 1: IoU 1 in 1 answer, F = 2 / (1 + 3). Threshold 0.5: 1 + 1/3 + 1 in 3 answers, F = (14/3) / 6 =
-        // 7/9. Threshold 0.25: the target is hidden, F = (14/3) / 7 = 2/3.
+        // Threshold 1: one answer of IoU 1, F = 2 / (1 + 3). Threshold 0.5: three answers of IoU 1, 1/3 and 1, F =
+        // (14/3) / 6 = 7/9. Threshold 0.25: one more answer, while the target is hidden, F = (14/3) / 7 = 2/3.
         let vot = Vot::new(&answers, &confidences, &truth);
         assert_eq!(vot.vot_threshold, Some(0.5));
         for figure in [vot.vot_f, vot.vot_precision, vot.vot_recall] {

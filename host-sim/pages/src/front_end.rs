@@ -5,7 +5,7 @@
 
 use crate::encode::base64;
 
-/// (file name, text) of the JavaScript modules: of the window (the page of `host-sim view`), then of the report.
+/// (file name, text) of JavaScript modules: first for the window (page of `host-sim view`), second for the report.
 const MODULES: [&[(&str, &str)]; 2] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 const WINDOW: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.html"));
 /// A glossary of the terms on the pages, as the items of an HTML list.
@@ -23,7 +23,7 @@ pub fn module(name: &str) -> Option<&'static str> {
     MODULES[0].iter().find(|(module, _)| *module == name).map(|(_, text)| *text)
 }
 
-/// Returns the report's `<script type="importmap">`: its single file has no `./NAME.js`, so modules are `smr/NAME.js`.
+/// Returns the report's `<script type="importmap">`: a single file has no `./NAME.js`, so modules import `smr/NAME.js`.
 pub fn import_map() -> String {
     let module = |(name, text): &(&str, &str)| {
         let text = base64(text.replace("from \"./", "from \"smr/").as_bytes());

@@ -1,4 +1,4 @@
-//! Simulates a target that leaves: frames show only scenery beside it; once it returns, they show a shifted recording.
+//! Simulates a target that leaves: first shows only scenery beside it and, after its return, a shifted recording.
 
 use super::{BoundingBox, GrayFrame};
 use smr_core::Rect;
@@ -15,8 +15,8 @@ pub struct Away {
 }
 
 impl Away {
-    /// Chooses, along a side of the frame, the largest strip outside of all boxes of the target in `gone` and in the
-    /// frame before, and a shift that keeps the whole box of the returning target in the frame.
+    /// Chooses, along a side of the frame, the largest strip outside of all boxes of the target in the frames `gone`
+    /// and the frame before them, and a shift that keeps the whole box of the returning target in the frame.
     pub fn new(truth: &[Option<BoundingBox>], gone: Range<usize>, frame: Rect) -> Self {
         let corners = |at: &BoundingBox| [[at.x, at.y], [at.x + at.width, at.y + at.height]];
         let corners: Vec<_> = truth[gone.start - 1..gone.end].iter().flatten().flat_map(corners).collect();
@@ -42,7 +42,7 @@ impl Away {
             if index >= self.gone.len() {
                 return (at - self.shift[axis]).clamp(0, side - 1);
             }
-            // Shows the strip at the opposite side of the frame, as if the camera had turned, then its mirror images.
+            // Shows the strip at the opposite side of the frame, as if the camera had turned; its mirror images follow.
             let length = (end - start).max(1);
             let at = if start == 0 { at + length - side } else { at }.rem_euclid(2 * length);
             start + at.min(2 * length - 1 - at)

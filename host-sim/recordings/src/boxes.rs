@@ -221,7 +221,7 @@ pub fn is_known(file: &Path) -> bool {
     file.file_name().is_some_and(|name| names.any(|known| name == known))
 }
 
-/// True if the path exists, even as a broken link, which is reported when it is read.
+/// True if the path exists, even as a broken link: reading the link then reports the error.
 fn is_named(file: &Path) -> bool {
     fs::symlink_metadata(file).is_ok()
 }
@@ -289,7 +289,7 @@ fn four_numbers(line: &str) -> Option<[f64; 4]> {
     numbers(line)?.try_into().ok()
 }
 
-/// Parses numbers separated by commas, tabs or spaces. Refuses infinity and mixed separators (decimal commas).
+/// Parses numbers separated by commas, tabs or spaces. Refuses infinity, and mixed separators (maybe decimal commas).
 fn numbers(line: &str) -> Option<Vec<f64>> {
     let separator = [',', '\t'].into_iter().find(|&separator| line.contains(separator)).unwrap_or(' ');
     let line = line.trim().trim_end_matches(separator);
@@ -438,7 +438,7 @@ mod tests {
     }
 
     prop_compose! {
-        /// A box with an area, in sixteenths of a pixel: f64 holds them exactly, so x + width - x equals width.
+        /// A box with an area, in whole sixteenths of a pixel, which f64 holds exactly, so x + width - x equals width.
         fn any_box()(x in -1_000_000_i32..1_000_000, y in -1_000_000_i32..1_000_000, w in 1_i32..1_000_000, h in 1_i32..1_000_000)
             -> BoundingBox {
             let [x, y, width, height] = [x, y, w, h].map(|number| f64::from(number) / 16.0);

@@ -21,7 +21,7 @@ static RESOURCES: Mutex<BTreeMap<u64, Resource>> = Mutex::new(BTreeMap::new());
 /// True after a signal that ends this program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// True if the first signal only requests a stop; [`STOPPED`] is that signal, or 0.
+/// True if the first signal only requests a stop; [`STOPPED`] is then its number, and 0 before.
 static STOPS_FIRST: AtomicBool = AtomicBool::new(false);
 static STOPPED: AtomicI32 = AtomicI32::new(0);
 
@@ -49,7 +49,7 @@ pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Registers a file, folder or child for clean-up on a signal. Dropping it unregisters.
+/// Registration of a file, folder or child process for clean-up on a signal. A drop unregisters the resource.
 pub struct Kept(u64);
 
 impl Drop for Kept {
@@ -105,7 +105,7 @@ impl Process {
         locked(&self.child).stderr.take()
     }
 
-    /// Sends all text of standard error once it is closed; a process started by the child may keep it open.
+    /// Sends all text of standard error once the stream is closed; a process started by the child may keep it open.
     pub fn said(&self) -> Receiver<String> {
         let (sender, said) = channel();
         if let Some(mut complaints) = self.complaints() {

@@ -78,7 +78,7 @@ impl Ffmpeg {
         let ((sender, messages), (pictures, shown)) = (channel(), channel());
         let name = file.to_owned();
         thread::spawn(move || {
-            // Reads all messages, because ffmpeg blocks on a full pipe. The receiver of pictures may be gone.
+            // Reads all messages, even if no receiver of pictures is left, because ffmpeg blocks on a full pipe.
             let said = Messages::read(complaints, &name, |one| drop(pictures.send(one)));
             let _ = sender.send(said);
         });
@@ -128,7 +128,7 @@ impl Ffmpeg {
     }
 
     /// Returns an error if ffmpeg has reported one: ffmpeg fills damaged areas, goes on, and exits with success. A
-    /// damaged packet counts only with `has_gap` (missing frames), because joined videos also look damaged.
+    /// damaged packet counts only if frames are missing (`has_gap`), because joined videos also look damaged.
     pub fn verdict(&mut self, has_gap: bool) -> Result<()> {
         let (status, mut said) = self.end()?;
         if has_gap && said.last.is_empty() {

@@ -77,8 +77,8 @@ impl Sequence {
         self
     }
 
-    /// Cuts the recording to `range`. A range from frame 1 keeps the start box; another one starts from the ground
-    /// truth of its first frame, if any. `option` is the command-line option to name in errors.
+    /// Cuts the recording to `range`. A range from frame 1 keeps the start box; any other range starts from the ground
+    /// truth of its first frame, if there is one. `option` is the command-line option to name in errors.
     pub fn part(mut self, range: FrameRange, option: &str) -> Self {
         let truth = self.truth.map(|truth| range.of(truth));
         let init = if range.first == 1 { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };

@@ -6,13 +6,13 @@ pub(super) enum Transfer {
     Hlg,
 }
 
-/// Tone curve: a light L becomes L (1 + L / P^2) / (1 + L). L, the brightest of red, green and blue, and P, 1000 cd/m2,
-/// are multiples of white paper (203 cd/m2, ITU-R BT.2408). All colors get one factor, and are clipped to BT.709.
+/// Tone curve: light L becomes L (1 + L / P^2) / (1 + L), in units of white paper (203 cd/m2, ITU-R BT.2408). L is the
+/// brightest of red, green and blue; P is 1000 cd/m2. All three get one factor, and are clipped to BT.709.
 pub(super) struct Tones {
     transfer: Transfer,
     /// Light of each 12-bit level, as a multiple of white paper; for HLG the light of the scene, from 0 to 1.
     light: Vec<f32>,
-    /// sRGB level of each square root of light, from 0 to 1 in 4095 steps.
+    /// Table of sRGB levels, by the square root of light from 0 to 1 in 4095 steps.
     levels: Vec<u8>,
 }
 
@@ -70,7 +70,7 @@ impl Tones {
 mod tests {
     use super::*;
 
-    /// Levels of 203 cd/m2 and of 1000 by ITU-R BT.2408: 58 and 75 % of PQ, 75 and 100 % of HLG.
+    /// By ITU-R BT.2408, 203 cd/m2 is a level of 58 % in PQ and 75 % in HLG, 1000 cd/m2 of 75 % in PQ and 100 % in HLG.
     #[test]
     fn white_is_bright_and_what_is_brighter_still_differs() {
         for (transfer, white, peak) in [(Transfer::Pq, 38_056, 49_269), (Transfer::Hlg, 49_151, 65_535)] {

@@ -59,7 +59,7 @@ impl From<PathBuf> for Picture {
 }
 
 impl Picture {
-    /// Returns all pictures in a file. An unreadable file counts as one; reading its pixels reports the error.
+    /// Returns all pictures in a file. An unreadable file counts as one picture; reading its pixels reports the error.
     pub(super) fn all_in(file: &Path) -> Vec<Self> {
         let whole = Self::from(file.to_owned());
         let Some(bytes) = whole.is_file().then(|| whole.bytes().ok()).flatten() else { return vec![whole] };
@@ -122,7 +122,7 @@ pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
     samples(bytes)?.colors(None)
 }
 
-/// Highest minus lowest gray level below which the user gets a note; 14-bit values stored in 16 bits reach only 63.
+/// Range of gray levels (highest minus lowest) below which the user gets a note; 14-bit values in 16 bits reach 63.
 const MIN_LEVELS: usize = 64;
 
 /// One pixel in this many may be dead, so this share of values is ignored at each end of the histogram.

@@ -115,9 +115,9 @@ enum Packets {
     Unsure,
 }
 
-/// Codecs with one shown frame in each packet, decodable from each key frame on.
+/// Codecs with one shown frame in each packet, whose decoding can start at every key frame.
 const ONE_EACH: [&str; 9] = ["h264", "hevc", "av1", "vp9", "mpeg1video", "mpeg2video", "mjpeg", "prores", "rawvideo"];
-/// Codecs decodable from each key frame on, in which packets that show no frame cannot be recognised.
+/// Codecs whose decoding can start at every key frame, but whose packets without a shown frame cannot be recognised.
 const SOME_HIDDEN: [&str; 2] = ["vp8", "mpeg4"];
 
 /// Count of frames that are decoded to verify the times of the packets.
@@ -180,7 +180,7 @@ fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
 }
 
 impl Read {
-    /// Classifies the packets; `None` if the codec is not known, or decoded frames have other times than their packets.
+    /// Classifies the packets; `None` for an unknown codec, an empty packet, a leap in time, or wrong packet times.
     fn checked(mut self, file: &Path, patience: Duration) -> Option<Packets> {
         if SOME_HIDDEN.contains(&self.codec.as_str()) {
             return Some(Packets::Hidden);

@@ -9,8 +9,8 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 pub(super) const MAGIC: &[u8] = &[0xFF, 0xD8, 0xFF];
 
-/// A segment that makes the decoder use the Huffman tables of ITU-T T.81, annex K.3, if a picture has no tables.
-/// Webcams leave them out, because readers of their streams know them.
+/// Segment that makes the decoder use the Huffman tables of ITU-T T.81, annex K.3, for a picture without tables.
+/// Webcams send no tables, because readers of their streams know them.
 const STANDARD_TABLES: &[u8] = b"\xFF\xE0\0\x07AVI1\0";
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
@@ -92,7 +92,7 @@ impl Layout {
         }
     }
 
-    /// Returns the byte offset of a picture that follows directly and has the same frame header, unlike a preview.
+    /// Returns the byte offset of a second picture directly behind the first; a preview has another frame header.
     fn next(&self, bytes: &[u8]) -> Option<usize> {
         let rest = &bytes[self.end.filter(|_| !self.has_views)?..];
         let is_next = rest.starts_with(MAGIC) && Self::of(rest).frame == self.frame;

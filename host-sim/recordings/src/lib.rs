@@ -170,7 +170,7 @@ impl Sequence {
         Self { name, frames, length: None, first: 1, init: None, truth: None, source, notes: Vec::new() }
     }
 
-    /// Returns the start box in whole pixels. Errors: There is none, or it is below a pixel, too large or too far away.
+    /// Returns the start box in whole pixels. Errors: There is no box, it has no pixels, or a `Rect` cannot hold it.
     pub fn start(&self) -> Result<smr_core::Rect> {
         let name = &self.name;
         let init = self.init.with_context(|| {
@@ -334,14 +334,14 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
         );
     }
     images::check_kind(&pictures[0])?;
-    // A skipped picture would shift the boxes of all later frames, so one that is no file (a broken link) is an error.
+    // A skipped picture would shift the boxes of all later frames, so a path that is no file (broken link) is an error.
     for (number, picture) in (1..).zip(&pictures) {
         check_file(picture, &format!("{} (frame {number})", picture.display()))?;
     }
     Ok(self::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
 }
 
-/// Returns the pictures of a folder's `files`, by name. Errors: Several formats or folders, or two with one number.
+/// Returns a folder's pictures, sorted by name. Errors: Several formats, several folders, or one number twice.
 fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let inner = INNER.map(|inner| folder.join(inner)).into_iter().filter(|inner| inner.is_dir());
     let mut kinds: Vec<Vec<PathBuf>> = Vec::new();

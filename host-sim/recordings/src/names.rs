@@ -21,7 +21,7 @@ fn stem(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A name that ends in a decimal number. The derived order compares field by field, so digits of any length are exact.
+/// A name that ends in a decimal number. The derived order compares field by field, exactly for any length.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Decimal {
     /// Digits before the point, without leading zeros: their count, then the digits.
@@ -53,7 +53,7 @@ impl Decimal {
         })
     }
 
-    /// True if all are decimal numbers of one series. After letters, a trailing zero means a counter: `a1.9`, `a1.10`.
+    /// True if all names are decimal numbers of one series, not counters behind letters that end in 0, such as `a1.10`.
     fn are_one_series(all: &[Self]) -> bool {
         let prefix = all.first().map(|first| &first.prefix);
         all.iter().all(|one| Some(&one.prefix) == prefix && (one.prefix.is_empty() || !one.has_zero_at_the_end))

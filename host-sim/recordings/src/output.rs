@@ -81,7 +81,7 @@ pub fn behind_links(name: &Path) -> PathBuf {
     }
 }
 
-/// True for the path of an already open file, such as /dev/stdout. Writing appends to its content.
+/// True for the path of an already open file, such as /dev/stdout, to whose content writing appends.
 fn is_open(name: &Path) -> bool {
     let behind = fs::read_link(name).unwrap_or_default();
     [name, &behind].iter().any(|path| path.starts_with("/dev/fd") || path.starts_with("/proc"))

@@ -54,8 +54,8 @@ impl Resize {
 }
 
 impl Sequence {
-    /// Scales all frames, by a triangle filter, and their boxes; also returns the factors on width and height.
-    /// Errors: The new size is too large, or the first frame, which is read to learn its size, cannot be read.
+    /// Scales all frames (by a triangle filter) and their boxes; also returns the factors of width and height. Errors:
+    /// The new size is too large, or the first frame, which is read to learn its size, cannot be read.
     pub fn resized(self, resize: Resize) -> Result<(Self, (f64, f64))> {
         let mut frames = self.frames;
         let first = frames.next().with_context(|| format!("{} holds no frame", self.name))??;

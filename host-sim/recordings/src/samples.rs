@@ -121,7 +121,7 @@ impl Samples {
 }
 
 impl<P: Copy> Raster<P> {
-    /// Turns a picture upright by its Exif orientation. Values from 5 on also swap rows and columns.
+    /// Turns a picture upright by its Exif orientation. Orientations from 5 on also swap rows and columns.
     fn turned(self, orientation: u8) -> Self {
         if orientation == 1 {
             return self;

@@ -18,7 +18,7 @@ const Y: &Keys = &[(0, 52), (50, 30), (119, 66)];
 
 struct Kind {
     name: &'static str,
-    /// Distance in pixels between random levels of the target's texture, in its coarse and its fine grid.
+    /// Distances in pixels between random levels of the target's texture: of its coarse grid, and of its fine grid.
     grain: (i32, i32),
     levels: (i32, i32),
     /// Strength of the sensor noise; 1 is a standard deviation of 2.3 gray levels.

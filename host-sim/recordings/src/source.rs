@@ -47,7 +47,7 @@ impl Source {
         if let Self::Live(arrivals) = self { Some(Arc::clone(arrivals)) } else { None }
     }
 
-    /// Returns color frames from `first` on, up to the first unreadable one; ffmpeg scales videos down to `side`.
+    /// Returns color frames from `first` on, up to the first unreadable one; videos have at most `side` pixels a side.
     fn color_from(&self, first: usize, side: u16, patience: Duration) -> Colors {
         match self {
             Self::Once | Self::Live(_) => Box::new(std::iter::empty()),
@@ -126,7 +126,7 @@ impl Seekable {
         Ok((Self { path: path.to_owned(), options: options.clone(), source, length, index }, sequence))
     }
 
-    /// Returns the number of frames and the time of each in seconds: `None` and empty if unknown.
+    /// Returns the number of frames (`None` if unknown), and the time of each in seconds (empty if unknown).
     pub fn known(&self) -> (Option<usize>, Vec<f64>) {
         self.index.times().map_or_else(|| (self.length, Vec::new()), |times| (Some(times.len()), times))
     }

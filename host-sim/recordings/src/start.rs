@@ -82,7 +82,7 @@ impl Target {
     }
 }
 
-/// Checks the starts of the target `name`, sorted by frame: frame number, and true for a box or false for "gone".
+/// Checks `locks` of the target `name`, sorted by frame: the frame number, and true for a box, false for "gone".
 /// Errors: The target is gone before its first box, or twice without a box between.
 pub fn check_gone(name: &str, locks: impl Iterator<Item = (usize, bool)>) -> Result<()> {
     let mut gone_from = Some(0);

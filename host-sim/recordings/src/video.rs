@@ -24,7 +24,7 @@ pub(super) fn is_video(file: &Path) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
     Gray,
-    /// In color for display, scaled down to at most this many pixels on a side.
+    /// Color frames for display, scaled down to at most this many pixels on a side.
     Color(u16),
     Times,
 }
@@ -179,7 +179,7 @@ impl Pictures {
     }
 }
 
-/// Longest step between frames in seconds. A longer one is a join: times that go back look like overflow in MPEG-TS.
+/// Longest time step in seconds. A longer one is a join of videos: in MPEG-TS, times that go back count as an overflow.
 pub(super) const MAX_TIME_JUMP: u32 = 43_200;
 
 /// Times that never go back: in a file of joined videos, each video continues the times of the one before.
@@ -198,7 +198,7 @@ impl Continued {
     fn next(&mut self, time: i64, second: i64) -> i64 {
         let mut now = time + self.shift;
         if let Some(last) = self.last {
-            // A step back by less than `step`, the frame interval, is a wrong time stamp, no start of another video.
+            // A step back by less than `step`, the frame interval, is a wrong time stamp, not the start of a video.
             if now <= last - self.step || now - last > i64::from(MAX_TIME_JUMP) * second {
                 now = last + self.step;
                 self.shift = now - time;

@@ -33,7 +33,7 @@ pub struct Numbers {
     /// Lower bound of alpha after an update, in gray levels.
     pub least_alpha: f64,
     pub gate: GateNumbers,
-    /// Searches for the runner-up in every frame, even if no decision depends on it.
+    /// True if the runner-up is searched for in every frame, even if no decision depends on it.
     pub runner_up_always: bool,
 }
 
@@ -53,8 +53,8 @@ pub struct GateNumbers {
     pub lead: f64,
     /// Minimum mean similarity of a pixel, in units of 1/65535; 0 also disables the checks of contrast and clipping.
     pub least_ratio: f64,
-    /// Bounds for a patch. Contrast: minimum, as a fraction of the template's. Clipped pixels (0 or 255) in excess of
-    /// the template's: maximum, as a fraction of all pixels.
+    /// Bounds for a patch. First: minimum contrast, as a fraction of the template's contrast. Second: maximum number of
+    /// clipped pixels (0 or 255) beyond the template's number, as a fraction of all pixels.
     pub least_contrast: f64,
     pub most_cut_off: f64,
 }
@@ -330,7 +330,7 @@ impl Reference {
         stands_out && (peak / self.template.area()).floor() >= gate.least_ratio
     }
 
-    /// True if `least_ratio` is 0, or contrast is enough and not many more pixels than the template's are clipped.
+    /// True if `least_ratio` is 0, or if the patch has enough contrast and few more clipped pixels than the template.
     fn is_shown(&self, frame: &Picture, (x, y): (i64, i64)) -> bool {
         let gate = &self.numbers.gate;
         let seen = frame.cut(x, y, self.template.width, self.template.height);

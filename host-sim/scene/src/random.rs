@@ -23,7 +23,7 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// Returns nearly normal noise of standard deviation 2.3: the sum of four uniform bytes, less its mean, over 64.
+    /// Returns nearly normal noise of standard deviation 2.3: (sum of four uniform bytes - mean of the sum) / 64.
     pub fn noise(&mut self) -> i32 {
         let [a, b, c, d, ..] = self.next().to_le_bytes().map(i32::from);
         (a + b + c + d - 4 * 255 / 2 + 32) >> 6

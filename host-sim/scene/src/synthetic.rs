@@ -72,13 +72,13 @@ impl Scene {
         }
     }
 
-    /// Returns the gray level, with sensor noise, of the pixel at (`x`, `y`), its top left corner in sixteenths.
+    /// Returns the gray level, with sensor noise, of the pixel whose corner (`x`, `y`) is in sixteenths of a pixel.
     fn pixel(&self, textures: &Textures, x: i32, y: i32, noise: &mut Random) -> u8 {
         let lit = (self.texture(textures, x, y) * self.light) >> 16;
         u8::try_from((lit + noise.noise()).clamp(0, 255)).unwrap_or(u8::MAX)
     }
 
-    /// Returns the gray level at (`x`, `y`) in 256ths: the post covers the target, which covers the background.
+    /// Returns the gray level at (`x`, `y`), times 256: the post covers the target, and the target the background.
     fn texture(&self, textures: &Textures, x: i32, y: i32) -> i32 {
         // A pixel shows the texture at its centre.
         let (dx, dy) = (x - self.target_x + PIXEL / 2, y - self.target_y + PIXEL / 2);

@@ -18,7 +18,7 @@ use smr_reference::{Decision, Numbers, Reference, Step};
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Counts {
     pub scores: u64,
-    /// Frames in which the runner-up was needed, and so compared.
+    /// Number of frames in which the tracker needed the runner-up of the peak, which was then compared, too.
     pub runners_up: usize,
     /// Largest |core's score - exact score|, in units of 1/65535.
     pub largest_difference: f64,
@@ -69,8 +69,8 @@ impl Checked for Paper {
 /// Largest possible difference between a score of `pixels` pixels and the exact one, in units of 1/65535.
 fn bound(pixels: u32) -> f64 {
     let n = f64::from(pixels);
-    // Half a unit for each table entry. f64 adds n numbers of at most 65535, each with a relative error of 2^-52, and
-    // rounds each partial sum of at most n * 65535 by a relative 2^-53.
+    // Rounding: half a unit for each table entry. f64 adds n numbers of at most 65535, each with a relative error of
+    // 2^-52, and rounds each partial sum of at most n * 65535 by a relative 2^-53.
     n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
 }
 
@@ -98,7 +98,7 @@ impl Counts {
         different
     }
 
-    /// Records a frame whose exact peak is not core's. A lead in exact score of more than twice `bound` is a violation.
+    /// Records that core's peak is not the exact one: a violation if its exact score is lower by over `2 * bound`.
     fn exact_arg_max(&mut self, frame: usize, peaks: &Peaks, step: &Step) -> Option<Violation> {
         let peak = (i64::from(peaks.peak.x), i64::from(peaks.peak.y));
         if peak == step.exact_peak.0 {

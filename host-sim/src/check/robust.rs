@@ -1,5 +1,5 @@
-//! Comparison of the robust tracker with its reference, in each frame: requested windows, features, responses, weights,
-//! early template, response and ratio, confidence, state, scale, box. Core reads only the requested pixels.
+//! Comparison of the robust tracker with its reference, in each frame: requested windows, features, response map,
+//! response at the target, ratio, confidence, state, scale, box, weights, early template. Core gets only the windows.
 
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
@@ -382,7 +382,7 @@ mod tests {
         through(check, there.chain([None; 8]).chain([Some((190, 120)); 16]).map(frame))
     }
 
-    /// Picture of 4x4 tiles, in which each pixel (x, y) shows the pixel `moved(x, y)` of the plain picture.
+    /// Picture whose pixel (x, y) has the gray level at `moved(x, y)` in a pattern of tiles of 4x4 equal pixels.
     fn tiles(width: usize, height: usize, moved: impl Fn(usize, usize) -> (usize, usize)) -> Vec<u8> {
         let tile = |x: usize, y: usize| u8::try_from((x * 83 + y * 47 + x * y * 29) % 256).unwrap();
         let pixel = |(x, y): (usize, usize)| tile(x / 4, y / 4);

@@ -19,7 +19,7 @@ pub enum Outcome {
     Stopped(i32),
 }
 
-/// Runs a program of one command, with the signals, errors and exit codes of host-sim.
+/// Runs a program that is a single command, with the signal handling, errors and exit codes of host-sim.
 pub fn program<T: Parser>(run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
     obey(std::env::args_os().collect(), run)
 }
@@ -51,7 +51,7 @@ pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> R
     }
 }
 
-/// Returns the message of an error. For a refused box and for damage it also names the options of `command` that help.
+/// Returns the message of an error; for a refused box or a damaged recording also names options of `command` that help.
 pub(super) fn told(error: &anyhow::Error, command: &clap::Command) -> String {
     let said = messages::of(error);
     let has = |name: &str| command.get_arguments().any(|option| option.get_long() == Some(name));

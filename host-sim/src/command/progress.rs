@@ -66,7 +66,7 @@ impl Bar {
         let seconds = self.began.elapsed().as_secs_f64();
         match all {
             Some(all) => {
-                // The mean rate since the start, because the latest rate depends on a single recording.
+                // Estimates by the mean rate since the start, because the latest rate depends on a single recording.
                 let left = seconds * all.saturating_sub(*done) as f64 / *done as f64;
                 format!(": {done} of {all} {}, {left:.0} s left", self.what)
             }

@@ -76,7 +76,7 @@ impl RecordingOptions {
         self.open_all(path, false).map(|(sequence, _)| sequence)
     }
 
-    /// Opens the recording, with `takes_live` also a live one. Returns the options' targets, or else the one beside it.
+    /// Opens a recording, live ones only with `takes_live`. Returns the options' targets, else the recording's own.
     pub fn open_with_targets(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
         let (sequence, targets) = self.open_all(path, takes_live)?;
         if let Some(resize) = self.resize {
@@ -120,7 +120,7 @@ impl RecordingOptions {
             ensure!(fits, "{name}: --frames reaches before the ground truth: expected frame {first} or later");
             sequence = sequence.with_truth_from(first);
         } else if let Some((part, boxes)) = self.frames.zip(sequence.truth.as_ref().map(Vec::len))
-            // Counting frames takes time, and a range from the first frame on does not need it.
+            // Counting the frames takes time, and a range from the first frame on does not need their number.
             && part.first() != 1
             && part.length_of(usize::MAX) >= boxes
             && let length = self.length(path, &options, &sequence)

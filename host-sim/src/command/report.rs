@@ -126,7 +126,7 @@ impl Report {
         name_apart(&mut sequences);
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
         let page = page_file(out, &title)?;
-        // The final path is checked, too: in a folder, the page has the recording's name.
+        // Checks the final path, too: if `--out` is a folder, the name of the page in it is known only here.
         Places::of(found).writes("--out", Some(&page), None).check()?;
         let output = Output::create(&page)?;
         let mut films = self.watch(found, sequences, methods)?;
@@ -153,7 +153,7 @@ impl Report {
         let frame = self.frame.map(|frame| frame.get() - 1);
         let (mut plans, mut left_out) = (Vec::new(), Vec::new());
         for figure in Figure::ALL {
-            // A frame or range that the user gives must be in the recording, so its figure is not left out.
+            // An unusable frame or range is an error if the user gave it; otherwise its figure is left out.
             let must = match figure {
                 Figure::Boxes => self.frame.is_some(),
                 Figure::Occlusion => self.hidden.is_some(),

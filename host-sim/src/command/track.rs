@@ -95,7 +95,7 @@ impl Track {
         let printer = Printer::new(format, about);
         ensure!(films.len() < 2, "--out and --video both name a video: expected one of them");
         let film = films.first().map(|&(_, film)| film);
-        // With a video, a terminal shows events instead of lines of numbers, which would hide them.
+        // With a video, a terminal shows only events, because lines of numbers would hide the events.
         let events = (film.is_some() && boxes.is_none() && stdout().is_terminal()).then(|| Events::new(targets.len()));
         let mut lines = match boxes {
             _ if events.is_some() => Lines::Unread,
@@ -271,7 +271,7 @@ fn warning(poor: &[Option<&str>]) -> Option<String> {
     }
 }
 
-/// Output of lines: at once to standard output, so that an error loses none, or to a file, complete at the end.
+/// Output of lines. Standard output gets each line at once, so an error loses none; a file is complete at the end.
 enum Lines {
     /// Standard output. With `goes_on`, a closed pipe does not end the command, because a video is written, too.
     Printed {

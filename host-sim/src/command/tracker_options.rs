@@ -15,7 +15,7 @@ use std::fmt;
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
-/// The presets of both trackers, with the names that they have in every language.
+/// The presets of both trackers. Their names are the same in every programming language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {

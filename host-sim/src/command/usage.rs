@@ -160,7 +160,7 @@ impl Line<'_> {
         format!("{command} has no option {name}: {rest}")
     }
 
-    /// Error for a surplus word, which may be part of the value before it, or a value without its option.
+    /// Error for a surplus word. It may belong to the value before it, or be a value whose option is missing.
     fn too_many(&self, word: &str) -> String {
         let at = self.words.iter().skip(1).position(|typed| typed == word).map_or(0, |at| at + 1);
         let option = self.words[..at].iter().rposition(|word| is_option(word));
@@ -184,21 +184,21 @@ impl Line<'_> {
         format!("{} is one word too many: expected {usage}{meant}", shown(word))
     }
 
-    /// Suggests a correction: the option as typed, the name of its separator, and the option with a valid value.
+    /// Returns a correction: the option as typed, the name of the right separator (`commas`), and the option corrected.
     fn meant(&self, option: usize) -> Option<(String, &'static str, String)> {
         let (before, after) = self.words.split_at(option + 1);
         let name = &self.words[option];
         let run = after.iter().take(8).take_while(|word| !is_option(word)).count();
         for count in (1..=run).rev() {
             let with = |value: &str| self.is_read(&[before, &[value.to_owned()], &after[count..]].concat());
-            // An option that accepts any text cannot confirm a suggestion.
+            // An option that accepts even `?` accepts any text, so parsing cannot confirm a suggestion.
             if with("?") {
                 return None;
             }
             let typed = after[..count].join(" ");
             let bare = typed.trim_matches(|letter| "()[]{}".contains(letter));
             for (from, (to, separator)) in TYPED.iter().flat_map(|from| SEPARATORS.map(|to| (from, to))) {
-                // A single word needs no wrong separator: it may be valid without brackets, or in lower case.
+                // A single word is also tried without a wrong separator: brackets or capitals may be its only fault.
                 let is_tried = bare.contains(from) || (*from == " " && count == 1);
                 let is_in_name =
                     *from != " " && bare.match_indices(from).any(|(at, _)| bare[..at].ends_with(char::is_alphabetic));

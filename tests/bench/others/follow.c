@@ -10,7 +10,7 @@
 
 #define MOST_PIXELS (640 * 480)
 
-/* Frames after these are not looked at. */
+/* Number of frames to read; later ones are ignored. */
 #ifndef MOST
 #define MOST UINT16_MAX
 #endif
@@ -27,7 +27,7 @@ static int least(int a, int b)
     return a < b ? a : b;
 }
 
-/* The window around `at`, copied from the frame, and its own place. */
+/* Copies the window around `at` from the frame. `corner` gets the place of its top left pixel in the frame. */
 static window cut(int width, int height, place at, place *corner)
 {
     *corner = (place){at.x < REACH ? 0 : at.x - REACH, at.y < REACH ? 0 : at.y - REACH};
@@ -39,7 +39,7 @@ static window cut(int width, int height, place at, place *corner)
 
 int main(void)
 {
-    /* Width, height, frames, and where the target is in the first. */
+    /* Width and height of the frames, number of frames, x and y of the target in the first frame. */
     uint16_t header[5];
     FILE *in = fopen("frames.bin", "rb"), *out = fopen("places.txt", "w");
     if (!in || !out || fread(header, sizeof header, 1, in) != 1)

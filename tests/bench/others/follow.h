@@ -11,21 +11,21 @@
 #define REACH 16
 #define WINDOW (SIDE + 2 * REACH)
 
-/* Column and row. */
+/* Column and row of the top left pixel of a target or a window. */
 typedef struct place {
     int x, y;
 } place;
 
-/* A window that the frame's edge has cut, perhaps. Its rows lie one after the other, which is free for all. */
+/* A search window, perhaps cut off at the frame's edge. Its rows have no gaps; copying it is not measured. */
 typedef struct window {
     const uint8_t *pixels;
     int width, height;
 } window;
 
-/* Takes the target at `at`. */
+/* Learns the target, whose place in the window is `at`. */
 void lock(window, place at);
 
-/* Where the target is now; it was at `last`. */
+/* Returns the target's place in the window; `last` is its place in the frame before, in the same window. */
 place find(window, place last);
 
 #endif

@@ -1,7 +1,7 @@
 /*
- * MOSSE (Bolme et al., CVPR 2010) in single precision on 64x64, with the parameters of mckaydm/openmv_mosse but its trained start:
- * logarithm, zero mean, unit deviation, Hann window; the filter A/B; its response's peak; A and B learn at the new place. Three
- * complex FFTs an update, as there: those of real input could take half.
+ * MOSSE (Bolme et al., CVPR 2010) in single precision on 64x64 pixels, with the parameters of mckaydm/openmv_mosse, but
+ * not its training at the start. Input: logarithm, zero mean, unit deviation, Hann window. Filter: A/B; A and B learn
+ * where its response peaks. Three complex FFTs an update, as there; FFTs of real input could take half the time.
  */
 
 #include "follow.h"
@@ -47,7 +47,7 @@ static inline complex_number right(complex_number p)
     return (complex_number){p.im, -p.re};
 }
 
-/* A radix-4 FFT. It leaves the frequencies in reversed order of digits, in which inverse() takes them. */
+/* A radix-4 FFT. It leaves the frequencies in digit-reversed order (base 4), which inverse() expects. */
 static void forward(complex_number *x, int step)
 {
     for (int quarter = SIDE / 4; quarter > 0; quarter /= 4) {
@@ -70,7 +70,7 @@ static void forward(complex_number *x, int step)
     }
 }
 
-/* The steps of forward() backwards, 64 times as large. */
+/* Inverse of forward(), by its steps in reverse order; the values become 64 times as large. */
 static void inverse(complex_number *x, int step)
 {
     for (int quarter = 1; quarter < SIDE; quarter *= 4) {
@@ -101,7 +101,7 @@ static void both_ways(complex_number *image, void transform(complex_number *, in
         transform(image + i, SIDE);
 }
 
-/* The spectrum of what is at `at`. */
+/* Computes `spectrum` from the 64x64 pixels at `at` in the window. */
 static void see(window in, place at)
 {
     float sum = 0, squares = 0;

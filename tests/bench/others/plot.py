@@ -9,7 +9,7 @@ import re
 
 README = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../core/python/README.md")
 ROW = re.compile(r"\| ([\w.\"()]+)( \(.*\))? \| ([\d.]+) ± ([\d.]+) \| [\d.]+ \| ([\d.]+) \|")
-# The colors of host-sim/pages/src/colors.rs; peers are gray.
+# The colors of host-sim/pages/src/colors.rs; other trackers than smr's are gray.
 COLORS = {"smr.Paper": "rgb(255,64,64)", "smr.Robust(\"robust\")": "rgb(255,130,220)"}
 OTHERS, INK, GRID = "rgb(150,160,170)", "rgb(255,255,255)", "rgb(90,90,90)"
 # Score of NanoTrack v2 in host-sim/RESULTS.md, drawn without a time: none was measured.

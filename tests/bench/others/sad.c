@@ -59,7 +59,7 @@ static uint32_t sum_at(window in, place at, uint32_t least)
 
 place find(window in, place last)
 {
-    /* Mostly it has hardly moved: a small sum early on gives up more offsets. */
+    /* The target has mostly hardly moved: the small sum at its last place makes later offsets end early. */
     place best = last;
     uint32_t least = STOP ? sum_at(in, last, UINT_MAX) : UINT_MAX;
     for (int y = 0; y <= in.height - SIDE; y++) {

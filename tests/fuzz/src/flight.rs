@@ -1,4 +1,4 @@
-//! Replays a flight record with changed entries and correct checksums: to its end, to a difference, or to the damage.
+//! Replays a flight record with changed entries and correct checksums, up to its end, a difference or an invalid entry.
 
 use arbitrary::{Result, Unstructured};
 use host_sim::replay::replay;

@@ -13,10 +13,10 @@ use crate::kernels::unrolling::rolled;
 pub(crate) struct Points {
     /// The largest difference below the threshold.
     pub(super) largest: u8,
-    /// At similarity p, a pixel has at least p * `rate` / 2^24 points (255 - difference). 0 disables the bound.
+    /// A pixel of similarity p has at least p * `rate` / 2^24 points (255 - difference). `rate` 0 disables the bound.
     rate: u32,
     /// The largest integer c such that the similarity p(d) is at most 65535 - c * d for every difference d below the
-    /// threshold. For exp the largest d decides: its chord from p(0) is the flattest. Stored, as division is slow.
+    /// threshold. If p is exponential, the largest d decides (flattest chord from p(0)). Stored, as division is slow.
     chord: u32,
 }
 
@@ -41,8 +41,8 @@ impl Points {
         }
     }
 
-    /// Minimum of points (sum of 255 - difference) with which `pixels` pixels can reach the score `floor`; 0 if the
-    /// bound is disabled. Returns the larger of two bounds. The second one is tight where most pixels are similar:
+    /// Minimum sum of points (255 - difference) with which `pixels` pixels can reach the score `floor`; 0 if the bound
+    /// is disabled. Returns the larger of two bounds. The second one is tight where most pixels are similar:
     ///
     /// - A score of `floor` needs at least `floor` * `rate` / 2^24 points.
     /// - A pixel loses at least `chord` of its score for each point it lacks; beyond the threshold 65535 / 255 = 257.
@@ -57,15 +57,15 @@ impl Points {
         (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
     }
 
-    /// Margins of four offsets before the first row: the maximum sum of points, minus `needed`. A loop then subtracts
-    /// the points that pixels lack. A negative margin excludes its offset, from the start if not `wanted`.
+    /// Initial margins of four offsets: the maximum sum of points minus `needed`, but negative if not `wanted`. A loop
+    /// then subtracts the points that each pixel has less than 255. A negative margin excludes the offset.
     #[inline(always)]
     pub(super) fn initial_margins(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
         let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();
         [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start })
     }
 
-    /// The points of a row of equal pixels, 255 each.
+    /// The points of a row whose pixels all equal those of the template: 255 for each pixel.
     #[inline(always)]
     pub(super) fn of_row(rows: &Rows) -> u32 {
         #[allow(clippy::cast_possible_truncation)] // at most 65535 columns

@@ -15,8 +15,8 @@ use core::marker::PhantomData;
 
 /// Loops of an instruction set over the pixels of two pictures with at least `NARROWEST` columns.
 pub(crate) trait Loops {
-    /// Minimum width of a picture in columns. If it is more than one, the loops fill words up with equal pixels, so the
-    /// first entry of the table must be [`ONE`].
+    /// Minimum width of a picture in columns. If it is more than one, the loops fill up words with pairs of equal
+    /// pixels, so the first entry of the table (for difference 0) must be [`ONE`].
     const NARROWEST: usize;
     /// Maps (rows, 256 table entries, floor) to the score if it is at least `floor`, else to any number below `floor`.
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32;
@@ -33,7 +33,7 @@ pub(crate) trait Loops {
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]);
 }
 
-/// The score kernels by the loops `L`, with a similarity table.
+/// The score kernels that run the loops `L`, with a similarity table.
 pub(crate) struct Kernels<'a, L> {
     plain: Plain<'a>,
     points: Effort,
@@ -117,7 +117,7 @@ fn narrow_distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     plain::distance(patch, template, enough)
 }
 
-/// Number of 4x4 blocks, one for each column, that the four rows contain and that fit in `low` and `high`.
+/// Number of 4x4 blocks, one beginning in each column, that the four rows contain and that fit in `low` and `high`.
 #[inline]
 pub(crate) fn blocks(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) -> usize {
     rows.iter().fold(low.len().min(high.len()), |blocks, row| blocks.min(row.len().saturating_sub(3)))

@@ -52,8 +52,8 @@ impl Sectors {
     #[inline(always)]
     pub(crate) fn sums(&self, gray: u16) -> Sums {
         // A gradient between two directions votes for the upper one by its distance beyond the lower one, and for the
-        // lower one by its distance short of the upper one (negative here). a, b: distances beyond; c, d: distances
-        // short. a, c: from sectors; b, d: from mirrored sectors. The digit is the direction voted for.
+        // lower one by its distance short of the upper one. a and b are distances beyond, c and d negated distances
+        // short; a and c of sectors, b and d of mirrored sectors. The digit is the direction voted for.
         let beyond = |number: usize, direction| {
             self.0.map(|sectors| distance(sectors.get(number).copied().unwrap_or(0), direction))
         };
@@ -84,7 +84,7 @@ fn distance(sum: u32, (cos, sin): (i32, i32)) -> i32 {
     cos * (sum & 0xFFFF).cast_signed() - sin * (sum >> 16).cast_signed()
 }
 
-/// The channel sums (votes and gray levels) of the cell whose left neighbour is column `at`.
+/// The channel sums (votes and gray levels) of the cell whose pixels begin in column `at + 1`.
 #[inline(always)]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
     sectors(lines, at).sums(gray(lines, at))

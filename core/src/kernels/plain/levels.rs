@@ -1,4 +1,4 @@
-//! Plain loops on the gray levels of a row: bilinear sampling, deviation from a level, replacement.
+//! Plain loops on the gray levels of a row: bilinear sampling, deviation from a level, replacement by new levels.
 
 use super::super::unrolling::rolled;
 

@@ -1,16 +1,12 @@
 //! Plain loops of sums of products: the responses of a correlation filter, and the gradient of its error.
 //!
-//! | symbol | what | type |
-//! |---|---|---|
-//! | w | weight of the filter | `i16` |
-//! | x | feature of a cell | `i8` |
-//! | e | error of a response | `i16` |
+//! Weights of the filter and errors of responses are `i16`, features of cells `i8`.
 
 use super::super::layout::{Layout, Packed};
 use super::super::unrolling::rolled_if_rare;
 use core::ops::Range;
 
-/// Computes the responses: `out[y][x]` is the sum of `w * x` over all weights, with the filter at the offset (x, y).
+/// Responses: `out[y][x]` is the sum of weight * feature over all weights, with the filter at the offset (x, y).
 ///
 /// A piece of work is a row of offsets. No sum overflows: 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
 #[inline(always)]
@@ -40,7 +36,7 @@ fn dot(cells: &[i8], weights: &[i16]) -> i32 {
     rolled_if_rare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
 }
 
-/// Adds the gradient of the error to `sums`: for each weight the sum of `e * x` over all offsets (x under the weight).
+/// Adds the gradient of the error to `sums`: for each weight, the sum over all offsets of error * feature under it.
 ///
 /// A piece of work is a row of errors. No sum overflows: 17^2 errors of at most 16383 reach 289 * 16383 * 128 < 2^31.
 #[inline(always)]

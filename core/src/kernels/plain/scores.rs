@@ -99,7 +99,7 @@ pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u3
     sum
 }
 
-/// Upper bound of the score of every patch between `low` and `high`. `None` as soon as it cannot reach `floor`.
+/// Upper bound of the score of every patch with pixels from `low` to `high`. `None` as soon as it cannot reach `floor`.
 ///
 /// No pixel of `low` is above that of `high`. The difference of a pixel is its distance to the range between them: no
 /// patch in the range is closer. If `low` equals `high`, the bound is the score.

@@ -1,4 +1,4 @@
-//! Sums of products by SIMD128: an instruction multiplies eight pairs of 16-bit numbers and adds them two by two.
+//! Sums of products by SIMD128: an instruction multiplies eight pairs of 16-bit numbers and adds neighbouring products.
 
 use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;

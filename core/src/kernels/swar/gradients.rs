@@ -6,7 +6,7 @@ use core::arch::asm;
 
 pub(crate) use plain::features;
 
-// The assembly below contains these factors of the directions.
+// The assembly below contains these factors (cosines and sines of the directions) as literals.
 const _: () = {
     let [_, one, two, three, four, _] = DIRECTIONS;
     assert!(one.1 == 256 && three.0 == 2 * 187 && three.1 == 8 * 81 && four.0 == 130 && two.0 > two.1);

@@ -152,7 +152,7 @@ pub(crate) fn gather<const N: usize>(
 ) {
     let Layout { row, stride, span, .. } = layout;
     let down = layout.checked_height(cells.len(), sums.len()).unwrap_or(0);
-    // Errors take the role of factors, and rows of the filter that of offsets.
+    // Errors take the role of factors, and rows of the filter take the role of offsets.
     let (pairs, across) = (PairedSizes::new(span, down), row / STEP);
     let width = across + span.saturating_sub(1);
     let rows = |sum| pairs.rows_of(sum) + pairs.offsets_of(sum) - 1;
@@ -212,7 +212,7 @@ pub(crate) fn gather<const N: usize>(
 }
 
 impl Slide<i16> {
-    /// Adds to `sums[i]` the products of all rows of factors with the numbers from `i` on. `total` is the factors' sum.
+    /// Adds to `sums[i]` the dot product of each row's factors and numbers from `i` on. `total` is the sum of factors.
     ///
     /// # Safety
     /// `count` factors and `count + sums.len() - 1` numbers of each row can be read. Neither `count` nor `rows` is 0.

@@ -413,8 +413,8 @@ fn joined(bytes: &[u8]) -> u32 {
 }
 
 /// Upper bound of the score of every patch with pixels in the ranges `blocks`; `None` if it is below `floor`. Pixels
-/// inside their ranges count as fully similar, and so do rows whose words reach beyond the template's memory. With at
-/// least seven columns, only the first and the last row can do so.
+/// inside their ranges count as fully similar, and so do rows whose words reach beyond the template's memory. In
+/// templates of at least seven columns, only the first and the last row can have such words.
 #[inline(never)]
 fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
     let (width, height) = (usize::from(template.width()), usize::from(template.height()));

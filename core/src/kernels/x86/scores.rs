@@ -134,7 +134,7 @@ pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::is_above(V::load(lanes.as_ptr()), V::splat(31 - new)) }
 }
 
-/// Operand of [`narrow_lanes`]: 127 in `first` lanes (always valid), `second` lanes rising to 31, then 0 (never valid).
+/// Operand of [`narrow_lanes`]: 127 in `first` lanes (always in the mask), rising to 31 in `second`, then 0 (never).
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];

@@ -65,7 +65,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 }
 
-/// Two flags for each state of a target: the first search includes the runner-up; a second search for it may follow.
+/// For each state of a target: (true if the first search includes the runner-up, true if a second one may follow).
 pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
     let bounds = Rect::new(0, 0, 1, 1);
     let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];

@@ -36,7 +36,7 @@ pub(super) fn save<const PIXELS: usize>(
     to.put(&[track.state.code(), track.edge.into()]);
     to.u16(track.quality.value());
     to.u16(template.threshold());
-    // Not `rows`: there the compiler keeps a division by the stride and its panic.
+    // `Image::rows` would compile to a division by the stride, with a panic if that is 0.
     (0..image.height()).for_each(|y| to.put(image.row(y)));
     Ok(to.finish())
 }

@@ -74,7 +74,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
         let (target, state) = track.at(&peaks.peak);
         let passes = track.passes(&peaks, state, self.config());
-        // The contrast of a box partly outside the frame is not checked: it has no patch.
+        // A box that is partly outside the frame has no patch, so its contrast is not checked.
         let patch = if passes && self.config().least_ratio > 0 { frame.patch(target) } else { None };
         let seen = patch.map_or(Contrast::NONE, Contrast::of);
         let track = track.after(&peaks.peak, passes && (patch.is_none() || self.template.is_shown_by(seen)));
@@ -284,10 +284,10 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 }
 
-/// Replaces the result of a search without any offset, which never happens: a window is never empty.
+/// Stands in for the result of a search that scored no offset. That never happens: a window is never empty.
 const NOTHING: Peaks = Peaks { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };
 
-/// Scratch memory for updates of any number of targets, one at a time: `PIXELS + 20 * SPAN` bytes, and a table.
+/// Scratch memory for updates of any number of targets, one at a time: `PIXELS + 20 * SPAN` bytes + an exp table.
 ///
 /// ```
 /// // Firmware often keeps it in a static.

@@ -117,7 +117,7 @@ fn the_most_work_is_nearly_done() {
     assert!(closest > 0.995, "{closest}");
 }
 
-/// Checks the factor 1.25 of the crate's documentation, or twice that if the window is searched twice.
+/// Checks the documented bound of the work: 1.25 * offsets * pixels, or twice that if the window is searched twice.
 #[test]
 fn the_most_work_is_what_the_documentation_says() {
     for (side, radius) in (8..=64).flat_map(|side| (4..=80).map(move |radius| (side, radius))) {
@@ -166,7 +166,7 @@ fn plain_but(around: u8, level: impl Fn(usize) -> u8) -> Picture {
     })
 }
 
-/// Locks on the first frame and returns the state in the second. alpha is 255, so all pixels count.
+/// Locks on the first frame, returns the state in the second. alpha is 255: only black and white pixels do not match.
 fn seen_after(first: &Picture, second: &Picture, least_ratio: u16) -> State {
     let window = Radius { x: 0, y: 0 };
     let mut tracker = Small::with(Config { first_threshold: 255, window, least_ratio, ..small_config() }).unwrap();

@@ -12,8 +12,8 @@ use core::{fmt, mem};
 const TABLE: usize = 256;
 const MOST: usize = 32;
 
-/// The entries of `record`, in their order. Skips bytes that are no entry, at the end or before an `SMRB` (begin):
-/// restarted firmware appends to a truncated record. See [`Entries::cut_off`]. The [module](super) has an example.
+/// The entries of `record`, in order. Skips bytes that are no entry at the end and before each `SMRB` (begin), because
+/// restarted firmware appends to a truncated record: see [`Entries::cut_off`]. The [module](super) has an example.
 #[must_use]
 pub const fn entries(record: &[u8]) -> Entries<'_> {
     Entries { record, at: 0, next: 0, cut_off: 0 }
@@ -104,8 +104,8 @@ impl fmt::Debug for Begin<'_> {
 }
 
 impl Begin<'_> {
-    /// The recorded configuration; `None` if it is not one of this tracker and version. `rest` supplies the settings
-    /// that a record lacks (no answer depends on them). The recorded table must be the paper's or that of `rest`.
+    /// The recorded configuration; `None` if it is no valid `C`, or if its table is neither the paper's nor that of
+    /// `rest`. `rest` also supplies the settings that a record lacks (no answer depends on them).
     #[must_use]
     pub fn config<C: Settings>(&self, rest: &C) -> Option<C> {
         let mut numbers = self.numbers.as_chunks().0.iter().copied().map(u16::from_le_bytes);

@@ -38,7 +38,7 @@ pub enum Stop {
 errors! {
     /// A difference between the record and the replay.
     Difference {
-        /// The configuration is not one of this tracker and version, or has another table.
+        /// The configuration is not one of this tracker and version, or has another similarity table.
         Numbers => "the configuration is not one of this tracker and version, or its table is another",
         /// The configuration is refused.
         Config(error: ConfigError) => "configuration: {error}",

@@ -30,9 +30,9 @@ pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The minimum and the maximum side of the correlation filter, in cells.
 pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// Filter cells per target pixel on an axis, as a fraction: 1.4 times the target's side, divided by a cell's 4 pixels.
+/// Cells of the filter for each grid pixel of the target's side: 7/20. With cells of 4x4 pixels, it covers 1.4 sides.
 pub(super) const COVER: [u32; 2] = [7, 20];
-/// The smallest step of the target's grid, in units of 1/4096 pixel: 1/2, so that small targets are at most doubled.
+/// The smallest step of the target's grid: half a pixel, in units of 1/4096. So small targets are at most doubled.
 pub(super) const LEAST_STEP: u32 = 2048;
 
 /// The floor that is added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for
@@ -79,14 +79,14 @@ pub(super) const LEAST_ALPHA: u32 = 2;
 pub(super) const MOST_ALPHA: u32 = 100;
 /// A gain of 1, in units of 1/256: the patch has the contrast of the template.
 pub(super) const ONE_GAIN: u32 = 256;
-/// The largest expected gain of contrast from the template to the patch, in units of 1/256: 16.
+/// The largest expected gain of contrast from the template to the patch: a factor of 16, in units of 1/256.
 pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
-/// The minimum contrast of a search window, in units of 1/16 gray level: 1/4. Lower contrasts are raised to it.
+/// The minimum contrast of a search window: 1/4 gray level, in units of 1/16. Lower contrasts are raised to it.
 pub(super) const LEAST_WINDOW: u32 = 4;
 /// The light (`verification/lighting.rs`) moves toward the light of each learned frame by 2^-3 of the difference. With
-/// 0 (the whole difference), a further 0.05 of the wrong frames would be *tracking*, on half of the recordings.
+/// 2^0 (all of it), a further 0.05 of the wrong frames would be *tracking*, measured on half of the recordings.
 pub(super) const LIGHT_RATE: u32 = 3;
-/// The threshold alpha with which a lock measures how distinct its target is, in gray levels: 0.05 of full scale.
+/// The threshold alpha, in gray levels, with which a lock measures how distinct its target is: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;
 
 /// The ratio of neighbouring scales, in units of 1/65536: 1.02. At 1.04, the success rate R is lower by 0.063 +- 0.023.
@@ -117,14 +117,14 @@ pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
 /// The regularisation lambda of the ridge regression: 0.05 * 318^2, because a feature of 1 is the integer 318.
 pub(super) const REGULARISATION: i64 = 5056;
-/// The largest error of a response, in units of 1/16384: about 4. Larger errors are clamped to it.
+/// The largest error of a response: about 4, in units of 1/16384. Larger errors are clamped to it.
 pub(super) const MOST_ERROR: i32 = 65_535;
-/// The largest coded error of a response, so that a sum of 289 products with features of 8 bits stays below 2^31.
+/// The largest error as a 16-bit integer (`coded_errors`): a sum of 289 products with 8-bit features stays below 2^31.
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;
 /// The squared width of the Gaussian label, as a fraction: (standard deviation / root of the target's area)^2 = 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
-/// The standard deviation of the mask that weights the filter's cells in learning, on each axis: 32 / 256 cell for each
-/// pixel of the template's side, which is half of the side.
+/// The standard deviation of the mask that weights the filter's cells in learning: on each axis half of the template's
+/// side, which is 32 / 256 cell for each pixel of the side.
 pub(super) const MASK_WIDTH: u32 = 32;
 /// Steps of conjugate gradients at the lock. More steps overfit the first frame: 9 lower the success rate R by 0.004 +-
 /// 0.006. 25 steps of steepest descent, at four times the work, raise it by 0.003 +- 0.005.

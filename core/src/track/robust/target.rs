@@ -328,7 +328,7 @@ impl Workspace {
         Self { progress: Progress::Nothing, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
-    /// The filter's penalised response at the peak that gave the answer, in units of 1/16384; 0 before its refinement.
+    /// The filter's penalised response at the answer's peak, in units of 1/16384; 0 until that peak is refined.
     pub(crate) const fn response(&self) -> i32 {
         if let Progress::Update(update) = &self.progress { update.candidate().response } else { 0 }
     }

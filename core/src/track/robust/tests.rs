@@ -57,10 +57,10 @@ fn a_target_of_any_size_costs_about_the_same() {
     }
 }
 
-/// The most work of an update, the most of a lock, and the most by which a step exceeds its grant.
+/// The largest work of an update, of a lock, and of a step that was granted one unit of work.
 fn most_done(config: Config) -> [u64; 3] {
     let mut most = [0; 3];
-    // Filters of three shapes, with nearly 200 cells, the maximum.
+    // Boxes whose filters have nearly 200 cells, the maximum: 14x14, 22x9, and twice 32x6 cells.
     for (width, height) in [(79, 79), (158, 66), (316, 50), (300, 48)] {
         // The frame has five times the target's width, so that a row of the sweep has at least four windows.
         let (across, down) = (5 * width, 3 * height);
@@ -108,7 +108,7 @@ fn every_reach_follows() {
         let config = Config { reach, ..most_parts() };
         let mut tracker =
             locked::<Robust>(config, &of_size(&scene(Some((100, 90)), 100), (320, 240)), Rect::new(100, 90, 40, 40));
-        // The minimum work of a frame, because the refiner runs only in some frames, and the maximum area of a window.
+        // First: the minimum work of a frame, as the refiner runs only in some. Second: the maximum area of a window.
         let mut after = (u32::MAX, 0);
         for number in 1..12 {
             let place = (100 + 3 * number, 90 - 2 * number);
@@ -256,7 +256,7 @@ fn a_covered_lens_is_lost_and_teaches_nothing() {
                 (target.weights().to_vec(), target.early_template().unwrap().collect())
             };
             let before = learned(&tracker);
-            // 60 covered frames suffice: the sweep repeats after a few. One kind has 300, as in `eval --fault cover`.
+            // 60 covered frames suffice: the sweep repeats after a few. `textured` has 300, as in `eval --fault cover`.
             let covered = if name == "textured" { 300 } else { 60 };
             let states: Vec<State> = (0..covered).map(|_| update(&mut tracker, &[level; 160 * 120]).state).collect();
             let tracking = states.iter().filter(|&&state| state == State::Tracking).count();

@@ -38,9 +38,9 @@ struct Shot {
     cover: Option<Look>,
     /// The position to which the target jumps, in 1/256 of the frame.
     jump: Option<(i32, i32)>,
-    /// The motion of the target per frame in pixels, and its growth in percent.
+    /// The motion of the target (right, down) in pixels, and the growth of its size in percent, each per frame.
     step: (i32, i32, i32),
-    /// The change of brightness in percent.
+    /// The difference of the shot's brightness from normal, in percent.
     light: i32,
     grain: i32,
 }
@@ -143,11 +143,11 @@ struct Way {
     part: bool,
     /// The tracker is restored from saved bytes, as after a loss of power.
     restored: bool,
-    /// Another target is updated in the same workspace before.
+    /// Before each update, another target is updated in the same workspace.
     shared: bool,
     /// A turn of the camera that both trackers are told.
     turn: Option<(i32, i32)>,
-    /// An interrupted call: (its work, in 1/256 of the last call's; index of the call that ends it; true for a lock).
+    /// Interrupts a call: (its grant in 1/256 of the last call's work; index of the interrupting call; true: a lock).
     interrupted: Option<(u32, usize, bool)>,
 }
 
@@ -250,7 +250,7 @@ impl Filmed for Robust {
     }
 }
 
-/// The number of calls that end an update or lock under way: see [`call`].
+/// The number of different calls, in [`call`], that interrupt an update or lock.
 const CALLS: usize = 8;
 
 fn call<T: Filmed>(tracker: &mut Tracker<T>, number: usize, frame: &Frame<'_>, first: Rect, bytes: &[u8]) {
@@ -347,7 +347,7 @@ impl<'a, T: Filmed> Twins<'a, T> {
         }
     }
 
-    /// Begins a call with another frame, and ends it by the call with index `number`.
+    /// Begins an update or lock in the frame `elsewhere`, then interrupts it by the call with index `number`.
     fn interrupt(&mut self, frame: &Frame<'_>, elsewhere: &Frame<'_>, (part, number, locks): (u32, usize, bool)) {
         let Self { plain, other, film: Film { target: first, .. }, .. } = self;
         let (bytes, grant) = (saved(other.target()), plain.work() / 256 * part);

@@ -1,4 +1,4 @@
-//! Lucas-Kanade: finds, to fractions of a pixel, the least squared difference of template and frame by gradients.
+//! Lucas-Kanade: Gauss-Newton steps to the sub-pixel position of least squared difference of template and frame.
 
 use smr_core::Image;
 
@@ -8,7 +8,7 @@ const MAX_STEPS: usize = 30;
 const MIN_STEP: f64 = 0.005;
 /// Minimum side of a template, in pixels, on the smallest level of the pyramid.
 const LEAST_SIDE: usize = 5;
-/// Margin in pixels around the search window, which gradients at its edge need.
+/// Margin in pixels around the search window, because gradients at the window's edge need the pixels beyond it.
 const MARGIN: i32 = 2;
 
 pub(super) fn find(
@@ -24,14 +24,14 @@ pub(super) fn find(
     let scene = Plane::new(frame, first.into(), size.into());
     let pixels = template.iter().map(|&pixel| pixel.into()).collect();
     let template = Plane { width: width.into(), height: height.into(), pixels };
-    // Positions are relative to the window's corner, because only then can they be halved for the next pyramid level.
+    // Positions count from the corner of `scene`, because only then can they be halved for the next pyramid level.
     let corner = first.map(f64::from);
     let limits = [0, 1].map(|axis| (limits[axis].0 - corner[axis], limits[axis].1 - corner[axis]));
     let place = coarse_to_fine(&scene, &template, [from[0] - corner[0], from[1] - corner[1]], limits);
     [place[0] + corner[0], place[1] + corner[1]]
 }
 
-/// Fits the template on all pyramid levels, smallest first, `scene` last; each starts where the one before ended.
+/// Fits the template on all pyramid levels, smallest first, `scene` last; each fit starts from the previous result.
 fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut start = from;
     if template.width.min(template.height) / 2 >= LEAST_SIDE {
@@ -43,7 +43,7 @@ fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64
     fit(scene, template, start, limits)
 }
 
-/// Takes Gauss-Newton steps on the sum of squared differences, until a step is small or gradients do not determine one.
+/// Takes Gauss-Newton steps to the least squared difference; stops if a step is short or gradients do not determine it.
 fn fit(scene: &Plane, template: &Plane, start: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut place = start;
     for _ in 0..MAX_STEPS {
@@ -92,7 +92,7 @@ impl Plane {
         Self { width: side(size.0), height: side(size.1), pixels: levels(frame, place, size).map(f64::from).collect() }
     }
 
-    /// Halves the sides by averages of 2x2 pixels; leaves out an odd last column or row.
+    /// Halves both sides by averaging blocks of 2x2 pixels, without the last column or row if their number is odd.
     fn halved(&self) -> Self {
         let (width, height) = (self.width / 2, self.height / 2);
         let mean = |x: usize, y: usize| {

@@ -1,4 +1,4 @@
-//! Baselines of the paper's comparison: they share SMR's window, padding, tie rule and template update, not its cost.
+//! Baselines of the paper's comparison: they share SMR's window, padding, tie rule and template update, not its score.
 //!
 //! SAD (sum of |F - G|) and SSD (sum of (F - G)^2) take the least cost, NCC the largest correlation of F and G, 0 if
 //! either is constant; Lucas-Kanade (`flow`) follows gradients. Baselines always answer, and their window never grows.
@@ -40,7 +40,7 @@ impl Baseline {
         let window = Window::new(last, self.radius, self.bounds, self.padding);
         let (left, top) = (*window.xs().start(), *window.ys().start());
         let size = (window.xs().end() + i32::from(width) - left, window.ys().end() + i32::from(height) - top);
-        // The canvas holds all pixels that boxes at positions in the window cover.
+        // The canvas holds every pixel that a box at any position in the search window covers.
         let canvas: Vec<u8> = levels(image, (left, top), size).collect();
         let rows = |x: i32, y: i32| {
             let (column, row, stride) = (index(x - left), index(y - top), index(size.0));
@@ -122,8 +122,8 @@ impl Method for Baseline {
     }
 }
 
-/// Returns the position of least cost; among equal ones the closest to `last`, then the upper, then the left one.
-/// `cost` gets the least cost so far; once its sum is larger, it may stop and return that sum.
+/// Returns the position of least cost; among equal costs the closest to `last`, then the upper, then the left one.
+/// `cost` gets x, y and the least cost so far; it may stop early and return any partial sum above that least cost.
 fn best(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64) -> (i32, i32) {
     let distance = |(x, y): (i32, i32)| u64::from(x.abs_diff(last.x)).pow(2) + u64::from(y.abs_diff(last.y)).pow(2);
     // Starts at the last position, which is likely to be the best, so that the sums of later positions stop early.
@@ -169,7 +169,7 @@ impl Spread {
         Self { pixels, sum, spread: pixels * squares - sum * sum }
     }
 
-    /// Returns the correlation coefficient with a box, from the sums of its levels and their squares; sums are exact.
+    /// Returns the correlation coefficient with a box: `sum` adds up its levels, `squares` their squares, exactly.
     fn correlation<'a>(&self, [sum, squares]: [i64; 2], rows: impl Iterator<Item = Pair<'a>>) -> f64 {
         let of_row = |(f, g): Pair<'_>| f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum::<u32>();
         let products: i64 = rows.map(|row| i64::from(of_row(row))).sum();
@@ -179,7 +179,7 @@ impl Spread {
     }
 }
 
-/// Integral images of pixels and of their squares, one row and column larger than the canvas: a box needs four entries.
+/// Integral images of pixels and of squared pixels, one row and column larger than the canvas: four entries sum a box.
 fn integral(canvas: &[u8], stride: usize) -> Vec<[i64; 2]> {
     let mut sums = vec![[0; 2]; stride + 1];
     for row in canvas.chunks_exact(stride) {
@@ -212,7 +212,7 @@ mod tests {
 
     const ALL: [MethodKind; 3] = [MethodKind::Sad, MethodKind::Ssd, MethodKind::Ncc];
 
-    /// A uniform picture with a target of 6x5 pixels, all rows and columns of which differ, at (`left`, `top`).
+    /// A uniform picture with a 6x5 target at (`left`, `top`); no two rows or columns of the target are equal.
     fn picture(left: i32, top: i32) -> GrayFrame {
         GrayFrame::drawn(40, 30, |x, y| {
             let (i, j) = (x - left, y - top);
@@ -339,7 +339,7 @@ mod tests {
             for frame in &frames[1..] {
                 let window = Window::new(target, config.window, frame.frame().bounds(), padding);
                 let cost = |x, y| plain_cost(kind, frame, &baseline.template, Rect { x, y, ..target });
-                // The tie rule of smr-core: the least cost, then the closest, then the upper, then the left position.
+                // The tie rule of smr-core: least cost, then closest to `target`, then the upper, then the left one.
                 let rank = |(x, y): (i32, i32)| (x.abs_diff(target.x).pow(2) + y.abs_diff(target.y).pow(2), y, x);
                 let all: Vec<_> = window.ys().flat_map(|y| window.xs().map(move |x| (x, y))).collect();
                 let least = all.iter().map(|&(x, y)| cost(x, y)).fold(f64::INFINITY, f64::min);

@@ -102,7 +102,7 @@ figures! {
     answered_hidden: usize = sum, "" 0, "answered/hidden" answered_hidden hidden;
     /// Number of times that the target came back after it was hidden, summed over the starts.
     returns: usize = sum, "" 0;
-    /// Number of times that the target came back and a correct answer followed in the first 50 frames.
+    /// Number of times that the target came back and a correct answer followed within the first 50 frames.
     found_again: usize = sum, "" 0, "found/returns" found_again returns;
     tracking: usize = sum, "" 0;
     /// Updates with the state *tracking* in which the target is hidden or the box is wrong.
@@ -195,10 +195,10 @@ mod tests {
     fn runs(work: Option<u32>) -> [RunFigures; 2] {
         use State::{Lost, Tracking, Uncertain};
         let truth = [at(0.0), at(0.0), at(0.0), at(0.0), None, None];
-        // IoU 1, IoU 1/3 with the state uncertain, IoU 0, no answer, and an answer while hidden.
+        // Frames: IoU 1, IoU 1/3 (uncertain), IoU 0, no answer, an answer while hidden, no answer while hidden.
         let first = [at(0.0), at(5.0), at(20.0), None, at(0.0), None];
         let first = run(&first, &[Uncertain, Tracking, Lost, Tracking, Lost], Some(200), 30);
-        // IoU 1, then no answer in two frames, and two answers while hidden.
+        // Frames: IoU 1, no answer, no answer, an answer while hidden, an answer while hidden.
         let second = run(&[at(0.0), None, None, at(0.0), at(3.0)], &[Lost, Lost, Uncertain, Tracking], work, 60);
         [RunFigures::new(&first, &truth).unwrap(), RunFigures::new(&second, &truth[1..]).unwrap()]
     }
@@ -222,7 +222,7 @@ mod tests {
             found_again: 0,
             tracking: 3,
             tracking_wrong: 3,
-            // 11 frames, less the 2 of the locks and the 1 that is right.
+            // 11 frames, minus 2 frames of the locks and 1 frame with a right box.
             wrong: 8,
             right: 1,
             right_unsaid: 1,

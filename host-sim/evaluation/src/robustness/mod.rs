@@ -30,7 +30,7 @@ struct Row<'a> {
     starts: Vec<(Case, Score)>,
 }
 
-/// Columns of a start. Frames count from 1.
+/// Table columns of a start. Frames count from 1.
 const START: &[Column<(Case, Score)>] = &[
     ("start", "", 0, |(case, _)| case.name.as_str().into()),
     ("frame", "", 0, |(case, _)| (case.frame + 1).into()),
@@ -42,7 +42,7 @@ const START: &[Column<(Case, Score)>] = &[
     ("correct", "", 0, |(_, score)| score.correct.into()),
 ];
 
-/// Runs every variant (names must differ) from every start; compares it with `former`, or else the first variant.
+/// Runs every variant (names must differ) from every start; compares all with `former`, or else with the first variant.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -71,8 +71,8 @@ pub fn measure(
     Measured { tables, failures, notes: Vec::new(), is_empty: rows.is_empty() }
 }
 
-/// Returns three tables. First: figures by method and recording. Second: the starts, in the order of the first. Third:
-/// means over all recordings and, if there are several folders, over the recordings of each folder.
+/// Returns three tables. First: figures by method and recording. Second: the starts of each row of the first table, in
+/// its order. Third: means over all recordings and, if there are several folders, over each folder's recordings.
 fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     let (figures, origin) = (Head::all(Figures::COLUMNS), Head::all(Origin::COLUMNS));
     let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")]);

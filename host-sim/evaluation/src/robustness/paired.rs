@@ -158,7 +158,7 @@ mod tests {
         ["a", "b", "c"].into_iter().zip(correct).map(|(name, correct)| row(variant, name, figures(correct))).collect()
     }
 
-    /// The second method is better by 0.1, 0.3 and -0.1: mean 0.1, standard error the root of 0.08 / 2 / 3.
+    /// The second method is better by 0.1, 0.3 and -0.1: mean 0.1, standard error sqrt(0.08 / 2 / 3).
     fn measured(variants: &[Variant]) -> Vec<Row<'_>> {
         [of(&variants[0], [0.2, 0.5, 0.8]), of(&variants[1], [0.3, 0.8, 0.7])].into_iter().flatten().collect()
     }

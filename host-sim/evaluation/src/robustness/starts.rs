@@ -13,7 +13,7 @@ use std::str::FromStr;
 pub enum Starts {
     /// Five starts in the first frame: the given box unchanged, moved 2 pixels right or 2 down, scaled by 0.95 or 1.05.
     Near,
-    /// The ground truth box in the first visible frame and every N-th one after it, but not in the last frame.
+    /// The ground truth box in every N-th visible frame, from the first one on, but not in the recording's last frame.
     Every(NonZeroUsize),
     /// The given box in the first frame alone.
     Given,
@@ -54,8 +54,8 @@ impl Protocol for Starts {
     }
 }
 
-/// Returns the first `most` cases of `Starts::Near`, scaled about the centre. Each value is rounded once, after the
-/// change, so a small box may stay as given when it is scaled. All boxes but the given one are cut to the frame.
+/// Returns the first `most` cases of `Starts::Near`. Boxes are scaled about their centre. Each value is rounded once,
+/// at the end, so scaling may leave a small box as given. All boxes but the given one are cut to the frame.
 fn near(recording: &Recording, most: usize) -> Result<Vec<Case>> {
     let given = recording.init;
     let changed = [

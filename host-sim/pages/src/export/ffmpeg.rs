@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::time::{Duration, Instant};
 use std::{fs, thread};
 
-/// Bytes of a write to ffmpeg; each completed write is a sign that ffmpeg is alive.
+/// Number of bytes in each write to ffmpeg. A completed write is a sign that ffmpeg is alive.
 const CHUNK: usize = 1 << 16;
 
 pub(super) struct Ffmpeg {
@@ -44,7 +44,7 @@ impl Ffmpeg {
         thread::spawn(move || {
             for frame in to_write {
                 for chunk in frame.chunks(CHUNK) {
-                    // If ffmpeg has ended, its own message gives the reason.
+                    // The error is not reported: if ffmpeg has ended, its own message gives the reason.
                     let Ok(()) = pipe.write_all(chunk) else { return };
                     count.fetch_add(1, Ordering::Relaxed);
                 }

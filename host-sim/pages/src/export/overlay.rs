@@ -47,7 +47,7 @@ impl Overlay {
         self.width.min(self.height) / 240 + 1
     }
 
-    /// Draws an outline with a dark border, visible on any background, outside the box, because targets are small.
+    /// Draws an outline outside the box, so that it hides no small target. A dark border makes it visible anywhere.
     pub fn outline(&mut self, target: &BoundingBox, color: Color) {
         let Some(rect) = target.to_rect() else { return };
         // Clamps coordinates far outside the frame, where lines are invisible, against overflow.

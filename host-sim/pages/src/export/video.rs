@@ -115,7 +115,7 @@ fn command(plan: &Plan, timeline: &Timeline, aspect: (u32, u32), codecs: &[&str]
         command.args(["-map", "0:v", "-map", "1:a:0?", "-af", "apad", "-shortest"]);
     }
     command.args(["-fps_mode", "passthrough"]);
-    // Players expect chroma at half the size, and thus even sides, and the color space BT.709.
+    // Players expect chroma at half the resolution, which requires even sides, and the color space BT.709.
     let even = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
     let filter = format!("{even},setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
     command.args(["-vf", &filter, "-pix_fmt", "yuv420p"]);

@@ -67,7 +67,7 @@ pub struct Written {
     /// Width of a frame in pixels; 0 before the first frame.
     pub width: u16,
     pub height: u16,
-    /// Bytes of all frames, with the headers of their format.
+    /// Total size of all frames in bytes, including the headers of their format.
     pub bytes: u64,
     /// Names of the files besides the frames: boxes, and a toolkit's texts.
     pub boxes: Vec<&'static str>,
@@ -102,7 +102,7 @@ impl Writer {
         }
         let is_listed = matches!(format, Format::Vot | Format::Got10k);
         writer.written.list = is_listed.then(|| out.with_file_name("list.txt"));
-        // The folder must be empty, because its files would become part of the recording or be lost.
+        // The folder must be empty, because files in it would become part of the recording or be lost.
         let folder = Folder::create(out)?;
         if let Some((inner, _)) = picture(format, 1).split_once('/') {
             folder.folder(inner)?;
@@ -204,7 +204,7 @@ fn files(
     let lines = |line: &dyn Fn(Option<&BoundingBox>) -> String| {
         boxes.iter().map(|entry| line(entry.as_ref()) + "\n").collect::<String>()
     };
-    // Without a box, the toolkits of OTB and GOT-10k need four values that are not NaN; VOT's reads a single value.
+    // If a frame has no box, OTB's and GOT-10k's toolkits need four values that are not NaN; VOT's reads a single one.
     let shown = |form: Form| lines(&|entry| entry.map_or_else(|| "0,0,0,0".to_owned(), |seen| form.line(Some(seen))));
     if format == Format::Otb {
         return vec![("groundtruth_rect.txt", shown(Form::Otb))];
@@ -238,7 +238,7 @@ fn files(
 
 /// Writes the configuration of a workspace of the VOT toolkit and returns its path, if `list` is in a folder called
 /// `sequences`, as in a workspace, and there is no configuration yet. The configuration names no data set, so that the
-/// toolkit downloads nothing; version 0.9 runs its experiment.
+/// toolkit downloads nothing. Version 0.9 of the toolkit runs the experiment that it contains.
 fn configure(format: Format, list: &Path) -> Result<Option<PathBuf>> {
     const WORKSPACE: &str = "registry:\n- trackers.ini\nsequences: sequences\nstack:\n  title: Recordings of host-sim\n  experiments:\n    unsupervised:\n      type: unsupervised\n";
     let above = list.parent().filter(|above| above.ends_with("sequences") && format == Format::Vot);

@@ -74,7 +74,7 @@ pub enum Refusal {
 pub struct Moment {
     /// A report for each method. It is *lost* before the first box of a target, and while the target is gone.
     pub reports: Vec<Report>,
-    /// Box to draw for each method: for a lost target, the last accepted box, or one that the tracker did not confirm.
+    /// Box to draw for each method. If the target is lost: the last accepted box, or one found but not confirmed.
     pub(super) lasts: Vec<BoundingBox>,
 }
 
@@ -206,7 +206,7 @@ impl Film {
         Ok(())
     }
 
-    /// Returns the scores of all methods and result files; `None` without ground truth. Errors: It has another length.
+    /// Scores all methods and result files; `None` without ground truth. Errors: Ground truth of another length.
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };
         let score = |(index, variant): (usize, &Variant)| {

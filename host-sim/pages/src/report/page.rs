@@ -113,8 +113,8 @@ fn lead(film: &Film) -> Result<Option<String>> {
     Ok(letters.next().map(|first| first.to_uppercase().to_string() + letters.as_str() + "."))
 }
 
-/// Finds the longest run of frames, hidden ones aside, in which `other` is wrong and `best` correct. Returns its first
-/// frame, and true if `other` is mostly *lost*; `None` if it is short. Errors: Ground truth of another length.
+/// Finds the longest run of frames (hidden ones skipped) in which `other` is wrong and `best` correct: its first frame,
+/// and true if `other` is mostly *lost* in it; `None` if it is short. Errors: Ground truth of another length.
 pub(super) fn longest_failure(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
     let Some(truth) = &film.truth else { return Ok(None) };
     let of = |method: usize| overlaps(&film.trajectory(method), truth);

@@ -87,7 +87,7 @@ fn small(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
     encode::color_jpeg(&encode::within(frame, side), encode::ENOUGH)
 }
 
-/// Returns the template, the difference map and its histogram as JSON, and their bytes in the page.
+/// Returns the template, the difference map and its histogram as JSON, and the bytes that they take in the page.
 fn comparison(observation: &Observation) -> Result<(Value, usize)> {
     let Some(Search { difference, alpha }) = &observation.search else { return Ok((Value::Null, 0)) };
     let template = patch(&thinned(&difference.template))?;

@@ -9,15 +9,15 @@ use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, free_gain, relit, threshold};
 
 pub struct Observation {
-    /// Box of the method: for a lost target, the last accepted box, or one that the tracker did not confirm.
+    /// Box of the method. If the target is lost: the last accepted box, or one found but not confirmed.
     pub bbox: BoundingBox,
     /// Compared pixels; `None` in the frame of a lock, which needs no search.
     pub search: Option<Search>,
 }
 
 pub struct Search {
-    /// Difference from the template: for smr at its best position, accepted or not; for a baseline in its box; for the
-    /// robust tracker in its box, from its early template (of the first frames).
+    /// Difference from the template. smr: at its best position, accepted or not. Baselines: in the method's box. Robust
+    /// tracker: in its box, from its early template (of the first frames).
     pub difference: Difference,
     /// Threshold: pixels with a smaller difference count toward the similarity. `None` if all pixels count.
     pub alpha: Option<u16>,
@@ -85,7 +85,7 @@ pub(super) fn not_begun(start: Rect) -> (Report, Observation) {
 }
 
 fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Observation)> {
-    // The template, before this frame replaces it.
+    // The template is copied now, before this frame replaces it.
     let template = GrayFrame::from(tracker.target().template().context("there is no template yet")?);
     let answer = tracker.update(&frame.frame())?;
     let work = tracker.work();
@@ -96,7 +96,7 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Obs
     Ok((report, Observation { bbox: answer.bbox.into(), search: Some(search) }))
 }
 
-/// Updates the tracker and repeats its comparison: the box's sample with the early template at that brightness.
+/// Updates the tracker, then compares its box with the early template, adjusted to the brightness of the box.
 fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Observation)> {
     let grid = tracker.target().grid().context("there is no grid yet")?;
     let early = tracker.target().early_template().context("there is no early template yet")?;

@@ -137,7 +137,7 @@ const fn look_of_file(index: usize) -> usize {
     METHODS.len() + index % FILES.len()
 }
 
-/// Blends `color` toward `end`, just far enough for the contrast with `panel`.
+/// Blends `color` toward `end`, just far enough for the contrast `CONTRAST` with the background `panel`.
 fn seen(color: Color, end: Color, panel: Color) -> Color {
     let nearer = |percent: u32| {
         let mixed = |at: usize| (u32::from(color[at]) * (100 - percent) + u32::from(end[at]) * percent) / 100;

@@ -75,7 +75,7 @@ impl ChangeLog {
         since == 0 || since >= self.forgotten
     }
 
-    /// Returns entries after position `since`: discarded frame ranges, messages, and ids of files with progress.
+    /// Returns what was logged after position `since`: discarded frame ranges, messages, ids of files that progressed.
     pub fn after(&self, since: u64) -> (Vec<TargetSpan>, Vec<String>, Vec<u32>) {
         (after(&self.void, since), after(&self.messages, since), after(&self.made, since))
     }

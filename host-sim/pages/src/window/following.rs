@@ -1,5 +1,5 @@
-//! Runs the trackers of the window in a thread, and stores their answers. A [`Segment`] contains a target's answers
-//! from one lock (a box that the user drew) to the next. A correction creates one segment; unused ones are for undo.
+//! Runs the window's trackers in a thread and stores their answers: a [`Segment`] has those of a target from one lock
+//! (a box that the user drew) to the next. A correction creates one segment; segments out of use are kept for undo.
 //!
 //! The thread reads from the earliest frame that lacks an answer; after a lock in an earlier frame, it starts again
 //! there. If frames end or fail, segments that need later frames wait for the next change.
@@ -121,7 +121,7 @@ const SPARE_ROWS: usize = 1 << 18;
 const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
 /// Longest run of unneeded frames that is read and discarded; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
-/// Largest number of trackers in memory, one for each lock; beyond it, trackers without missing answers are dropped.
+/// Largest number of trackers in memory, one for each lock; beyond it, trackers whose answers are complete are dropped.
 const MOST_TRACKERS: usize = if cfg!(test) { 8 } else { 64 };
 /// Largest number of answers per segment of a camera: five minutes at 60 frames a second.
 const MOST_LIVE_ROWS: usize = 18_000;
@@ -248,7 +248,7 @@ impl State {
         Ok(targets)
     }
 
-    /// Adds missing segments, retries those that ran out of frames, and drops the least recently used beyond [`SPARE`].
+    /// Adds missing segments, retries those out of frames, and keeps only the [`SPARE`] last used of the unused ones.
     fn arrange(&mut self) {
         self.changes += 1;
         let plan: Vec<Key> = self.plan().map(|(key, _)| key).collect();
@@ -372,7 +372,7 @@ impl Followed {
             let targets = state.checked(targets, known, oldest)?;
             let others = match revision {
                 Some(revision) => revision != state.log.targets,
-                // A page without a revision may replace the initial targets, but no other page's.
+                // A page without a revision may replace the initial targets, but not targets that another page has set.
                 None => {
                     state.log.targets > 0
                         && targets.iter().any(|one| state.targets.iter().any(|other| one.is_another(other)))
@@ -431,7 +431,7 @@ impl Followed {
         self.change(|state| tell(&mut state.log));
     }
 
-    /// Waits at most `patience` for changes after `since`; of more than [`PORTION`] answers, returns only ranges.
+    /// Waits at most `patience` for changes after `since`. If over [`PORTION`] answers changed, returns their ranges.
     pub(super) fn wait_for_changes(&self, since: u64, patience: Duration) -> Changes {
         let mut state = self.state();
         let begin = Instant::now();
@@ -554,7 +554,7 @@ impl Following<'_> {
             Err(error) => return Some((start - 1, Some(error))),
         };
         let mut last = start - 1;
-        // Frames a second, over the last half second.
+        // `rate` is in frames a second, over the last half second.
         let (mut begin, mut count, mut rate) = (Instant::now(), 0.0, 0.0);
         for frame in frames {
             match frame {

@@ -1,4 +1,4 @@
-//! A cache of limited size, by frame number. It evicts the frames that are farthest from the latest insertion.
+//! A cache of limited size, by frame number. It evicts the frames with the numbers farthest from the last insertion's.
 
 use std::collections::BTreeMap;
 

@@ -81,7 +81,7 @@ impl Made {
         self.folder.private("open.html", lead.as_bytes())
     }
 
-    /// Starts the program that writes a file. `tell` is called with the file's id now and after each progress.
+    /// Starts the program that writes a file. `tell` is called with the file's id now and after each step of progress.
     /// Errors: Too many files are being made already, or the program does not start.
     pub(super) fn begin(self: &Arc<Self>, job: Job, tell: impl Fn(u32) + Send + 'static) -> Result<u32> {
         let Job { name, words, lines } = job;
@@ -131,7 +131,7 @@ impl Made {
         Ok(())
     }
 
-    /// Waits for the program to end; its output lines are progress. Errors: The program's error message, if it fails.
+    /// Waits for the program to end; each line that it prints is progress. Errors: The program's message, if it fails.
     fn watch(&self, process: &Process, id: u32, lines: usize, tell: &impl Fn(u32)) -> Result<()> {
         let said = process.said();
         let printed = process.output().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok);

@@ -1,5 +1,5 @@
 //! A recording as the frame source of `host-sim view`: any frame as a JPEG. Recent frames are cached, also at full
-//! resolution; later ones are decoded in order. A recording that is still being written is reopened when it has grown.
+//! resolution; frames soon after the last decoded one need no seek. A recording is reopened when its file has grown.
 
 use super::frame_cache::FrameCache;
 use super::{Known, SIDE, Source, lock};

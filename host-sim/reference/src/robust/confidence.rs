@@ -1,4 +1,4 @@
-//! Evidence of the target in a frame, its running mean, and the state from the mean. Units are 1/65536, rounded down.
+//! Evidence of the target in a frame, its running mean, and the state by the mean. Evidence is rounded down to 1/65536.
 
 use super::Numbers;
 use super::gaussian::ONE;

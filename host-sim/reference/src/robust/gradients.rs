@@ -95,7 +95,7 @@ fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
 /// Features of a cell: gradients normalised by the 3x3 cells around, rounded down, at most 127; then mean gray - 128.
 fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
     let norm = down(energy_around.sqrt(), 8.0) + numbers.norm_floor;
-    // Factor from gradients in quarters of a gray level to features, rounded down to a multiple of 2^-16.
+    // Factor from gradients, in quarters of a gray level, to feature bytes; rounded down to a multiple of 2^-16.
     let quarter = down(numbers.norm_gain / (norm * 8.0), 65536.0);
     let byte = |sum: &f64| (sum * 4.0 * quarter).floor().min(127.0);
     let gray = (sums.gray / to_f64(numbers.cell * numbers.cell)).floor() - 128.0;

@@ -15,7 +15,7 @@ pub struct Filter {
     pub weights: Vec<f64>,
 }
 
-/// Values scaled to small integers, for products with features; times `divisor`, they approximate the originals.
+/// Values divided by `divisor` and rounded to small integers, for products with features.
 pub struct ScaledIntegers {
     pub numbers: Vec<f64>,
     pub divisor: f64,
@@ -27,7 +27,7 @@ impl ScaledIntegers {
         Self { numbers: numbers.iter().map(|number| nearest(number / divisor, 1.0)).collect(), divisor }
     }
 
-    /// Sum of products with the features of cells, starting at cell (`x`, `y`).
+    /// Dot product of the values with the features of the block of cells whose top left cell is (`x`, `y`).
     fn sum(&self, shape: &Shape, cells: &Cells, x: i64, y: i64) -> f64 {
         let rows = self.numbers.chunks(index(shape.across) * CHANNELS).zip(y..);
         let product = |(weights, row): (&[f64], i64)| {
@@ -67,8 +67,8 @@ impl Filter {
         }
     }
 
-    /// Takes a step of `part` times the best length, measured at offsets up to `reach` cells. Direction: gradient times
-    /// learning window, plus the previous direction (in `before`) times the new descent / the previous descent.
+    /// Takes `part` of the best step, measured at offsets up to `reach` cells. Its direction is the gradient times the
+    /// learning window, plus the direction of the step `before` times (new descent / descent of `before`).
     pub fn learn(
         &mut self,
         numbers: &Numbers,
@@ -119,9 +119,9 @@ pub struct Step {
     length: f64,
 }
 
-/// Step length of an exact line search, in units of 2^-44: descent / curvature. The curvature, in units of 2^18, is the
-/// sum of squared `responses` of the direction, scaled up to `all` offsets, plus `regularisation` times the sum of
-/// squared values of the direction. The lowest nine bits of a response are dropped.
+/// Step length of an exact line search, in units of 2^-44: descent / curvature. Curvature, in units of 2^18: the sum of
+/// squared `responses` without their lowest nine bits, scaled up from the measured to `all` offsets, plus
+/// `regularisation` times the sum of squared values of the direction.
 fn best_length(numbers: &Numbers, direction: &ScaledIntegers, descent: f64, responses: &[f64], all: f64) -> f64 {
     let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
     let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();
@@ -143,7 +143,7 @@ fn offsets(numbers: &Numbers) -> impl Iterator<Item = (i64, i64)> {
     (0..span).flat_map(move |y| (0..span).map(move |x| (x, y)))
 }
 
-/// Response less label at each offset, clamped to `most_error`.
+/// Response minus label at each offset, clamped to +-`most_error`.
 fn errors(numbers: &Numbers, shape: &Shape, sample: &Sample<'_>) -> Vec<f64> {
     let factor = |offset: i64, target: f64| label_factor(numbers, shape, to_f64(offset - numbers.reach) - target);
     let error = |((x, y), response): ((i64, i64), &f64)| {
@@ -153,7 +153,7 @@ fn errors(numbers: &Numbers, shape: &Shape, sample: &Sample<'_>) -> Vec<f64> {
     offsets(numbers).zip(sample.responses).map(error).collect()
 }
 
-/// Sum of error times feature over all offsets, for each weight.
+/// For each weight, the sum over all offsets of error times feature.
 fn correlated(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; index(shape.across * shape.down) * CHANNELS];
     for ((x, y), error) in offsets(numbers).zip(errors) {

@@ -5,15 +5,15 @@ use super::gradients::Cells;
 use super::rounding::{FINE, LIGHT, down, nearest, to_f64, to_zero};
 use super::sampling::Patch;
 
-/// Mean in whole gray levels, and the sum of absolute deviations from it.
+/// Mean, rounded to a whole gray level, and the sum of absolute deviations from this mean.
 fn mean_and_deviation(patch: &Patch) -> (f64, f64) {
     let count = patch.columns * patch.rows;
     let mean = nearest(patch.pixels.iter().sum::<f64>() / to_f64(count), 1.0);
     (mean, patch.pixels.iter().map(|pixel| (pixel - mean).abs()).sum())
 }
 
-/// Threshold alpha of a comparison: the smaller of the patch's mean absolute deviation and the template's times `gain`,
-/// rounded down and clamped to `alpha_bounds`.
+/// Threshold alpha of a comparison: the patch's mean absolute deviation, or the template's times `gain` if that is
+/// smaller, rounded down and clamped to `alpha_bounds`.
 pub fn threshold(numbers: &Numbers, template: &Patch, seen: &Patch, gain: f64) -> f64 {
     let deviation = mean_and_deviation(seen).1.min((mean_and_deviation(template).1 * gain).floor());
     let (least, most) = numbers.alpha_bounds;
@@ -60,7 +60,7 @@ pub fn free_gain(template: &Patch, seen: &Patch) -> f64 {
     down(mean_and_deviation(seen).1 / mean_and_deviation(template).1.max(1.0), FINE)
 }
 
-/// Gain from the contrast of `template` to that of `seen`, at most a factor `most_change` from `expected`.
+/// Gain from the contrast of `template` to the contrast of `seen`, within a factor `most_change` of `expected`.
 pub fn gain(numbers: &Numbers, template: &Patch, seen: &Patch, expected: f64) -> f64 {
     let least = down(expected / numbers.most_change, FINE).max(numbers.gain_bounds.0);
     free_gain(template, seen).clamp(least, expected * numbers.most_change)

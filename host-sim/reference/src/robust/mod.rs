@@ -63,7 +63,7 @@ struct Candidate {
     response: f64,
     aligned: Aligned,
     agreement: f64,
-    /// Contrast of the search window in gray levels, and gain from the early template's contrast to the patch's.
+    /// Contrast of the search window in gray levels, and gain from the early template's contrast to that of the patch.
     window: f64,
     gain: f64,
     can_show: bool,
@@ -145,8 +145,8 @@ impl Reference {
         Patch { pixels: self.early.pixels.iter().map(|&pixel| nearest(pixel, 1.0)).collect(), ..self.early }
     }
 
-    /// Bounds (left, top, right, bottom) of the frame pixels that the next update may read to track the target. Other
-    /// scales may be searched at any position in the search window.
+    /// Bounds (left, top, right, bottom) of the frame pixels that the next update may read to track the target,
+    /// including searches at other scales around any position in the search window.
     pub fn region(&self) -> [i64; 4] {
         let Numbers { size, reach, scale_reach, cell, margin, .. } = self.numbers;
         let around = |place: Place, reach| self.region_around(place, reach);
@@ -157,8 +157,8 @@ impl Reference {
             all.extend(self.other_scales(centre.scale).map(larger));
         }
         if let Some(refiner) = &self.refiner {
-            // Upper bound of the target's move: search radius + 1 cell, alignment margin, 2 pixels, all at the larger
-            // scale.
+            // Upper bound of the target's move, at the larger scale: search radius plus 1 cell, plus alignment margin,
+            // plus 2 pixels.
             let [_, larger] = self.other_scales(centre.scale);
             let by = to_f64((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
             let target = Place { scale: larger, ..centre }.bbox(self.target_size);
@@ -168,7 +168,7 @@ impl Reference {
     }
 
     /// Bounds (left, top, right, bottom) of the frame pixels that the next update also reads if it redetects the
-    /// target; `None` if it cannot, because the target would not be lost even without evidence, or there is no sweep.
+    /// target; `None` without a sweep, or if the target is not given up and would not be lost even without evidence.
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { sweep, reach, .. } = self.numbers;
         let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
@@ -205,7 +205,7 @@ impl Reference {
                 *mean += nearest((new - *mean) * self.numbers.early_rate, FINE);
             }
         }
-        // Offset of the target from the window's middle in cells, rounded toward 0 to 1/256: centre of the label.
+        // Centre of the label: offset of the target from the window's middle in cells, rounded toward 0 to 1/256 cell.
         let cell = to_f64(self.numbers.cell) * self.shape.step_at(centre.scale);
         let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
         let target = (moved(candidate.place.x, centre.x), moved(candidate.place.y, centre.y));
@@ -346,8 +346,8 @@ impl Reference {
         best
     }
 
-    /// Searches the next windows of the sweep for the lost target. Returns the first candidate with enough evidence,
-    /// clearly more than `followed`, the evidence at the tracked position.
+    /// Searches the next windows of the sweep for the lost target. Returns the first candidate whose evidence is enough
+    /// and clearly exceeds `followed`, the evidence at the tracked position.
     fn redetect(&mut self, frame: &Picture<'_>, weights: &ScaledIntegers, followed: f64) -> Option<Candidate> {
         let Numbers { found_from, better_by, .. } = self.numbers;
         for place in self.sweep() {

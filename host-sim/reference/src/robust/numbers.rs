@@ -8,7 +8,7 @@ pub struct Numbers {
     /// Template: maximum number of pixels; minimum spacing of its samples, in frame pixels.
     pub pixels: i64,
     pub least_step: f64,
-    /// Pixels per axis that are read of each block of pixels when the frame is downsampled.
+    /// Pixels read on each axis of a block of frame pixels, when the frame is downsampled.
     pub read_per_side: i64,
     /// Side of a cell, in template pixels.
     pub cell: i64,
@@ -27,7 +27,7 @@ pub struct Numbers {
     pub label_width: (f64, f64),
     /// Ridge penalty: factor of the squared filter weights in the error.
     pub regularisation: f64,
-    /// Largest absolute values: weights and gradients scaled to integers; errors scaled to integers; unscaled errors.
+    /// Largest absolute values. First: integer weights and gradients. Second: integer errors. Third: unscaled errors.
     pub most_scaled: f64,
     pub most_scaled_error: f64,
     pub most_error: f64,
@@ -35,7 +35,7 @@ pub struct Numbers {
     pub update_step: f64,
     /// Gradient steps at the lock. An update takes one.
     pub first_steps: usize,
-    /// Largest factor of the previous direction in a conjugate-gradient step.
+    /// Largest factor by which the previous direction enters a conjugate-gradient step.
     pub most_conjugate: f64,
     /// Fraction of a response that is subtracted at the edge of the search, in units of 1/256.
     pub distance_penalty: f64,
@@ -61,7 +61,7 @@ pub struct Numbers {
     pub light_rate: f64,
     pub alpha_bounds: (f64, f64),
     /// Patches that can show the target: minimum contrast as a fraction of the expected contrast; minimum contrast in
-    /// gray levels; maximum fraction of pixels clipped at 0 or 255, in excess of the template's.
+    /// gray levels; maximum fraction of clipped pixels (0 or 255) beyond the template's fraction.
     pub least_contrast: f64,
     pub least_deviation: f64,
     pub most_cut_off: f64,

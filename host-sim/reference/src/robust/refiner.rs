@@ -10,12 +10,12 @@ use super::sampling::{Lattice, Picture};
 /// Side of a crop, the network's input, in samples; and the crop's side divided by the box's side.
 const SIDE: i64 = 32;
 const CROP_OVER_BOX: f64 = 1.75;
-/// Network input for the mean gray level of a crop.
+/// Network input to which the mean gray level of a crop is mapped.
 const MEAN: f64 = 64.0;
 /// Resolution of the network's outputs: 1/4096.
 const ESTIMATE: f64 = 4096.0;
 
-/// Layers: (output side, stride, input channels, output channels, divisor of the sums); full ones lack side and stride.
+/// Layers: output side and stride (only of convolutions), input channels, output channels, divisor of the sums.
 const CONVOLUTIONS: [(i64, i64, i64, i64, f64); 4] =
     [(16, 2, 2, 8, 64.0), (8, 2, 8, 16, 128.0), (8, 1, 16, 24, 128.0), (4, 2, 24, 24, 128.0)];
 const FULLY_CONNECTED: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 6, 1.0)];
@@ -175,7 +175,7 @@ impl Refiner {
         decided(self.opinion, numbers.opinion_lost_below, numbers.opinion_uncertain_below)
     }
 
-    /// Reduces the correction by a quarter and updates the opinion by full trust, because alignment made the box exact.
+    /// Reduces the correction by a quarter, and feeds full trust to the opinion, because alignment made the box exact.
     pub fn fade(&mut self, numbers: &Numbers) {
         self.update_opinion(numbers, numbers.most_trust);
         self.centre = self.centre.map(|centre| down(centre * 0.75, ESTIMATE));

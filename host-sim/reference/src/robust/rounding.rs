@@ -1,4 +1,4 @@
-//! Rounding to fixed-point grids of 2^n steps per unit. Values, sums and products stay below 2^53, so are exact in f64.
+//! Rounding to fixed-point grids of 2^n steps per unit. Values, sums and products are below 2^53, so exact in f64.
 
 pub(super) use crate::paper::index;
 
@@ -29,7 +29,7 @@ pub fn nearest(value: f64, parts: f64) -> f64 {
     (value * parts + 0.5).floor() / parts
 }
 
-/// Quotient of two whole numbers, rounded down; in integers, because the f64 quotient can be rounded up.
+/// Quotient of two whole numbers, rounded down; computed in integers, because an f64 quotient can be rounded up.
 #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // whole numbers; the quotient is below 2^53
 pub fn quotient(number: f64, by: f64) -> f64 {
     (number as i128).div_euclid(by as i128) as f64

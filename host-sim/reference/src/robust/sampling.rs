@@ -122,7 +122,7 @@ impl Lattice {
         [left, top, right, bottom]
     }
 
-    /// Blocks averaged before interpolation: the side doubles until the mean step is shorter than two sides.
+    /// Blocks of pixels averaged before interpolation: the side doubles from 1 until two sides exceed the mean step.
     fn block(&self, numbers: &Numbers) -> Block {
         let mut side = 1;
         while (self.step + self.step_down) / 2.0 / to_f64(side) >= 2.0 {
@@ -139,7 +139,7 @@ struct Block {
 }
 
 impl Block {
-    /// Divides each axis into `parts` equal parts and reads each part's middle pixel, of two middle ones the second.
+    /// Divides each axis into `parts` equal parts and reads the middle pixel of each part (the second one of two).
     fn new(side: i64, parts: i64) -> Self {
         let middle = |part: i64| to_i64((to_f64(side) * (to_f64(part) + 0.5) / to_f64(parts)).floor());
         Self { side, read: (0..parts).map(middle).collect() }

@@ -23,7 +23,7 @@ impl Place {
         Self { x: self.x + down(right, POSITION), y: self.y + down(below, POSITION), ..self }
     }
 
-    /// Search window: the filter's cells, `reach` more cells on each side, and one more pixel for the gradients.
+    /// Search window: the filter's cells and, on each side, `reach` more cells and one pixel for the gradients.
     pub fn window(self, numbers: &Numbers, shape: &Shape, reach: i64) -> Lattice {
         let side = |cells: i64| (cells + 2 * reach) * numbers.cell + 2;
         self.lattice(shape, side(shape.across), side(shape.down))
@@ -43,7 +43,7 @@ impl Place {
     pub fn bbox(self, size: (i64, i64)) -> [f64; 4] {
         let side = |size: i64| nearest(to_f64(size) * self.scale, FINE);
         let (width, height) = (side(size.0), side(size.1));
-        // Positions are those of pixel centres, half a pixel from the pixel's edge.
+        // Positions refer to pixel centres, which are half a pixel from the pixels' edges.
         let corner = |middle: f64, size: f64| down(middle + 0.5, FINE) - down(size / 2.0, FINE);
         [corner(self.x, width), corner(self.y, height), width, height]
     }
@@ -56,8 +56,8 @@ pub fn whole_box([x, y, width, height]: [f64; 4]) -> [i64; 4] {
     [edge(x), edge(y), side(x, width), side(y, height)]
 }
 
-/// Centres of the next windows for finding a lost target: up to `numbers.sweep`, from index `number` to the row's end.
-/// The windows divide the frame into equal tiles, each no larger than a search of `reach` cells covers.
+/// Centres of the next windows for finding a lost target: up to `numbers.sweep`, from window `number` to the end of its
+/// row. The windows divide the frame into equal tiles, each no larger than a search of `reach` cells covers.
 pub fn sweep(numbers: &Numbers, shape: &Shape, frame: (i64, i64), scale: f64, number: i64) -> Vec<Place> {
     let covered = to_f64(2 * numbers.reach * numbers.cell) * shape.step_at(scale);
     let count = |size: i64| to_i64((to_f64(size) / covered).ceil());

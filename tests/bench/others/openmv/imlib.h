@@ -1,5 +1,5 @@
 /*
- * The part of OpenMV's imlib.h that its template.c needs. The integral images behind it are in openmv.c; they lie in static memory.
+ * The part of OpenMV's imlib.h that its template.c needs. openmv.c has the integral images, in static memory.
  */
 
 #ifndef IMLIB_H

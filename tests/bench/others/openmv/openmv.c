@@ -1,6 +1,6 @@
 /*
- * OpenMV's find_template in the window: its own template.c, linked with this. With DIAMOND it searches as image.SEARCH_DS does, which
- * begins in the middle of the window; else as image.SEARCH_EX.
+ * OpenMV's find_template in the window: OpenMV's template.c, linked with this file. With DIAMOND it searches as
+ * image.SEARCH_DS, which begins in the middle of the window; otherwise as image.SEARCH_EX.
  */
 
 #include "imlib.h"

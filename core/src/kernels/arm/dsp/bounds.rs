@@ -1,5 +1,5 @@
-//! Upper bounds of scores, to exclude offsets, by the DSP extension. One sums the points (255 - difference) of four
-//! neighbouring offsets. The other counts the template pixels beyond the threshold at every offset of a 4x4 group.
+//! Upper bounds of scores by the DSP extension, to exclude offsets: the points (255 - difference) at four neighbouring
+//! offsets, and the count of template pixels that differ by the threshold or more at all offsets of a 4x4 group.
 //!
 //! Both take seven instructions for four pixels. The score itself takes 17: two loads, three for the difference, four
 //! to extract bytes, four table loads and four additions.
@@ -28,7 +28,7 @@ use core::arch::asm;
 struct Memory {
     row: Row,
     words: usize,
-    /// In [`point_margins`]: the maximum sum of points of a row. In [`outside_ranges`]: the [`entry_offset`].
+    /// In [`point_margins`]: the maximum points of a row, 255 a pixel. In [`outside_ranges`]: the [`entry_offset`].
     own: usize,
 }
 

@@ -78,7 +78,7 @@ struct RemainingOutputs {
     biases: *const [u8; 4],
     /// Two unpacked patches, or one patch of bytes.
     from: *const i8,
-    /// Bytes from an output of the first patch to that of the second; 0 for one patch.
+    /// Bytes from an output of the first patch to the same output of the second patch; 0 for one patch.
     apart: usize,
     /// The next output of the first patch.
     out: *mut i8,
@@ -109,7 +109,7 @@ macro_rules! turn {
 }
 
 impl RemainingOutputs {
-    /// Computes all outputs, two at a time. The last two may overlap those before them.
+    /// Computes all outputs, two at a time. If their number is odd, the last but one is computed twice.
     ///
     /// # Safety
     /// There are at least two outputs. For each of them `inputs` weights and a bias can be read, and an output can be
@@ -161,7 +161,7 @@ impl RemainingOutputs {
                 turn!(),
                 "cmp r11, lr",
                 "bne 4b",
-                // Shifts, clamps and stores r0 to r3. With one patch (`apart` is 0), r0 and r1 overwrite r2 and r3.
+                // Shifts, clamps, stores r0 to r3. For one patch (`apart` 0), r0 and r1 replace the outputs of r2, r3.
                 "6:",
                 "ldr r6, [sp, #8]",
                 "add r11, r11, r12",

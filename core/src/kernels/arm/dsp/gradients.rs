@@ -1,4 +1,4 @@
-//! Gradients of a cell by the DSP extension: `smusd` computes cos * |y| - sin * |x|, the distance beyond a direction.
+//! Gradients of a cell by the DSP extension: `smusd` computes how far one is beyond a direction: cos * |y| - sin * |x|.
 
 use crate::kernels::layout::{CELL, CHANNELS, SIDE};
 use crate::kernels::plain::gradients::DIRECTIONS;
@@ -19,7 +19,7 @@ static TABLE: [u32; 10] = {
     [k, l, m, pair(-e, -f), pair(-g, -h), pair(-i, -j), pair(a, b), pair(c, d), pair(e, f), pair(g, h)]
 };
 
-/// Computes features in the registers of channel sums: min(sum * inverse norm / 2^16, 127).
+/// Loads channel sums to the given registers and stores features: min(sum * inverse norm / 2^16, 127).
 macro_rules! features {
     ($($sum:literal)*) => {
         concat!(
@@ -30,8 +30,8 @@ macro_rules! features {
     };
 }
 
-/// Adds the gradient of a pixel to its sector; r11 becomes its index minus 4. `$pixel` holds |y| in the low and |x| in
-/// the high 16 bits. The top bit of byte `$byte` of r8 is set if x and y differ in sign: mirrored sector.
+/// Adds the gradient of a pixel to its sector; r11 becomes the sector's index minus 4. `$pixel` holds |y| in the low
+/// and |x| in the high 16 bits. The top bit of byte `$byte` of r8 is set if x and y differ in sign: mirrored sector.
 macro_rules! add {
     ($pixel:literal, $byte:literal) => {
         concat!(
@@ -113,7 +113,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
 ) {
     const { assert!(COLUMNS >= 4 * ROW + 2 && COLUMNS < 256 && 2 * ROW < 256) };
     // Words 0 to 4: the sectors. Word 5: the end address of the pixels. Words 32 to 36: the mirrored sectors. They
-    // begin at byte 128, so that the sign byte of a gradient (128 if x and y differ in sign, else 0) is the offset.
+    // begin at byte 128, so that the sign byte of a gradient (128 if x and y differ in sign, else 0) selects them.
     let mut memory = MaybeUninit::<[u32; 37]>::uninit();
     let mut pixels = lines.as_ptr().cast::<u8>().wrapping_add(COLUMNS);
     let mut to = sums.as_mut_ptr().cast::<u16>().wrapping_add(ROW);
@@ -139,7 +139,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "2:",
                 "ldr r6, [r1]",
                 "ldr r7, [r1, #2]",
-                // Absolute horizontal differences at four pixels. The top bit of each byte of r8 is a sign.
+                // Absolute horizontal differences at four pixels. The top bit of each byte of r8 is the sign of x.
                 "usub8 r12, r6, r7\nuhsub8 r8, r7, r6\nusub8 r7, r7, r6\nsel r7, r7, r12",
                 "ldr r6, [r1, #1 - {columns}]",
                 "ldr r12, [r1, #1 + {columns}]",

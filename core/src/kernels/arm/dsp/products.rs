@@ -17,7 +17,7 @@ use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 use core::ops::Range;
 
-/// Bytes from an offset to the next one: the features of a cell.
+/// Bytes from a filter offset to the next one: the features of one cell, one byte each.
 const STEP: usize = CHANNELS;
 /// Minimum number of factors in a row that the assembly supports.
 const LEAST: usize = 4;
@@ -192,7 +192,7 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
     }
 }
 
-/// Unpacks one channel of the two rows `first` of `width` cells to pairs, minus the two rows `second` unless `whole`.
+/// Unpacks a channel of two rows of `width` cells to pairs: the rows `first`, minus the rows `second` unless `whole`.
 ///
 /// # Safety
 /// A byte of `width` cells can be read from each row, and as many words written. `width` is not 0.
@@ -303,7 +303,7 @@ pub(crate) fn gather<const N: usize>(
 }
 
 impl Slide<i32> {
-    /// Adds to `sums[i]` the products of all factors with the numbers from index `i` on, over all rows.
+    /// Adds to `sums[i]`, for each row, the dot product of its factors and its numbers from index `i` on.
     ///
     /// # Safety
     /// `count` factors and `count + sums.len() - 1` numbers of each row can be read; `count >= LEAST`, `rows` is not 0.
@@ -334,8 +334,8 @@ macro_rules! add {
     };
 }
 
-/// Defines a function that adds products to n sums: first of the one to three extra factors, then of four factors at a
-/// time. Reloads the numbers in between. Decrements its counter while it would wait for the first load.
+/// Defines a function that adds products to n sums: of each row first `count % 4` factors, then four at a time. Reloads
+/// the numbers in between. Decrements its counter of factors while it would wait for the first load.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {

@@ -30,8 +30,8 @@ impl Loops for Dsp {
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]) = ranges;
 }
 
-/// Computes the lower ends and the lengths of the ranges of 4x4 blocks, widened by `margin` on both sides. Does nothing
-/// for fewer than four blocks, because templates of fewer than four columns have no bound.
+/// Computes the lower ends and lengths of the pixel ranges of 4x4 blocks, widened by `margin` on both sides. Does
+/// nothing for fewer than four blocks, because templates of fewer than four columns have no bound.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let blocks = blocks(rows, low, span);
     if blocks < LANES {
@@ -43,7 +43,7 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     unsafe { spread(&from, low.as_mut_ptr(), span.as_mut_ptr()) }
 }
 
-/// Adds the similarities of the four pixels in `{w}` and `r2`.
+/// Adds the similarities of the four pairs of pixels in `{w}` and `r2`.
 macro_rules! similarities {
     () => {
         concat!(

@@ -43,7 +43,7 @@ pub(super) fn words(pair: &Rows) -> usize {
     pair.width - pair.width % LANES
 }
 
-/// Byte offset in the code at which the loop over a row, unrolled to four words, is entered, for a shorter first round.
+/// Bytes of code that the first round of a loop, unrolled to four words, skips if the word count is no multiple of 4.
 #[inline(always)]
 pub(super) fn entry_offset(pair: &Rows, bytes: usize) -> usize {
     (pair.width / LANES).wrapping_neg() % 4 * bytes

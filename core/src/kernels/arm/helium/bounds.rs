@@ -1,6 +1,6 @@
-//! Upper bounds of scores, to exclude offsets, by Helium. One sums the points (255 - difference) of four neighbouring
-//! offsets. The other counts the template pixels beyond the threshold at every offset of a 4x4 group: those outside the
-//! pixel range of their 4x4 block. Ranges are widened by threshold - 1 on both sides; lower end and length are stored.
+//! Upper bounds of scores by Helium, to exclude offsets: the points (255 - difference) at four neighbouring offsets,
+//! and the count of template pixels that differ by the threshold or more at all offsets of a 4x4 group: outside the
+//! range of their 4x4 block, widened by threshold - 1 on both sides and stored as lower end and length.
 
 use super::super::points::{OFFSETS, Points};
 use super::{LANES, strides};

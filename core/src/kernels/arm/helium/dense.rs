@@ -71,14 +71,14 @@ struct RemainingOutputs {
     shift: u32,
     /// The next output of the first patch.
     out: *mut i8,
-    /// Bytes from an output of the first patch to that of the second; 0 if they are the same patch.
+    /// Bytes from an output of the first patch to the same output of the second patch; 0 if both are one patch.
     apart: usize,
     /// The last three outputs of the first patch.
     last: *mut i8,
 }
 
 impl RemainingOutputs {
-    /// Computes all outputs, three at a time. The last three may overlap those before them.
+    /// Computes all outputs, three at a time. If 3 does not divide their number, one or two are computed twice.
     ///
     /// # Safety
     /// There are at least three outputs. For each of them `inputs` weights and a bias can be read, and an output can be

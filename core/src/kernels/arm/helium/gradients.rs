@@ -20,7 +20,7 @@ static TABLES: Tables = Tables(
         [191; 16],
         [79; 16],
         [105; 16],
-        // Sum of the indices of a sector and of its mirror image. Next row: byte offsets in `Memory::pixels`.
+        // Sum of the indices of a sector and of its mirror image. Next row: byte offsets of pixels in `Memory::pixels`.
         [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
         [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
     ],
@@ -52,7 +52,7 @@ struct Memory {
     /// Gradients of a row of pixels: `[pixel of a cell][kind][cell][byte]`. Kind 0: |y|, |x|. Kind 1: sector index, 0.
     pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
     /// Sums `[sector][cell][|y|, |x|]`: first sectors 4 to 0 of gradients whose x and y differ in sign, then sectors 0
-    /// to 4 of equal signs, so that entries next to each other have a direction in common.
+    /// to 4 of those with equal signs, so that two sectors next to each other vote for a common direction.
     sectors: [[[u16; 2]; LANES]; SECTORS],
 }
 
@@ -75,7 +75,8 @@ macro_rules! beyond {
     };
 }
 
-/// Adds q1 (the gradient of one pixel in each of four cells) to the sectors at `$index`. Then loads the gradients at
+/// Adds q1 (the gradient of one pixel in each of four cells) to the sectors at `$index`. Then loads the next gradients,
+/// at `$at`, to q1, and the indices of their sectors to `$next`.
 macro_rules! add {
     ($index:literal, $next:literal, $at:literal) => {
         concat!(
@@ -89,6 +90,7 @@ macro_rules! add {
 }
 
 /// Computes channel sums and energies as the plain loop does, four cells at a time. May write up to three cells beyond
+/// `across`, if the slices have room, and leaves out cells without room.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -140,7 +142,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vldrw.u32 q1, [r3, #256]",
                 beyond!("q2"),
                 "vldrb.u8 q2, [r3, q5]",
-                // Selects mirrored sectors if x and y differ in sign. If x or y is 0, both give the same votes.
+                // Selects mirrored sectors if x and y differ in sign. If x or y is 0, this does not change the votes.
                 "veor q4, q4, q3",
                 beyond!("q2"),
                 "vldrw.u32 q3, [r3, #288]",
@@ -157,7 +159,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vpt.s8 lt, q4, zr",
                 "vsubt.i8 q1, q3, q1",
                 "vstrb.8 q1, [r4, q7]",
-                // In between, q6 sums gray levels: two neighbouring pixels in each 16-bit lane.
+                // Adds the gradients to sectors, and gray levels to q6: two neighbouring pixels in each 16-bit lane.
                 "vldrh.u32 q0, [r1, #8]",
                 "vldrb.u8 q3, [r10]",
                 "vldrb.u16 q1, [r1]",
@@ -284,7 +286,7 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Replaces the energies of columns by `of(norm)` for each cell, as the plain loop does.
+/// Replaces each energy in `columns` by `of(norm)`, with the norm of its cell, as the plain loop does.
 ///
 /// For n cells and an energy below 2^29, the product with 2^32 / n, rounded up, gives the exact mean. For x = number *
 /// 4^h / 2^32, from 1/4 to 1, y = 1 / sqrt(x) begins as a polynomial, within 4 %. Each Newton step computes y (x y^2 -

@@ -10,7 +10,7 @@ use crate::kernels::plain::products as plain;
 use core::arch::asm;
 use core::ops::Range;
 
-/// Bytes from an offset to the next one: the features of a cell.
+/// Bytes from a filter offset to the next one: the features of one cell, one byte each.
 const STEP: usize = CHANNELS;
 /// Maximum number of neighbouring sums that are computed at a time.
 const MOST: usize = 7;
@@ -168,9 +168,9 @@ macro_rules! eight {
 }
 
 impl Rows {
-    /// Computes the sums of [`Rows::seven`], or of [`Rows::six`] if `SEVEN` is 0, for a square block of errors. Its
-    /// rows are `N` errors apart, rows of bytes are `apart` bytes apart. 9 or 17 errors in a row are one or two vectors
-    /// and a last error. The last errors of all rows are processed as a column, which fills lanes better.
+    /// Computes the sums of [`Rows::seven`], or of [`Rows::six`] if `SEVEN` is 0, for errors in a square block. Its
+    /// rows begin every `N` errors, the rows of bytes every `apart` bytes. 9 or 17 errors in a row are one or two
+    /// vectors and a last error. The last errors of all rows are processed as a column, which fills lanes better.
     ///
     /// # Safety
     /// All these errors can be read, and the bytes under them at seven offsets. Seven sums can be written.

@@ -28,7 +28,7 @@ impl Loops for Helium {
 #[inline(always)]
 unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     let mut reachable = pair.full_after(0);
-    // A vector has eight entries of the table.
+    // Half the lanes, because a vector holds only eight 16-bit entries of the table.
     let [f_stride, g_stride] = strides(pair, LANES / 2);
     // SAFETY: only the `width` pixels of a row, at least one, and entries up to 255 are read. Nothing is written.
     unsafe {

@@ -75,8 +75,8 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
     }
 }
 
-/// Three products compute a slope times the length, one for each 16 bits of the length: bits above the lowest 16 are
-/// added to the next one. Beyond these limits the plain loop runs:
+/// Multiplies each slope by three 16-bit parts of the length in turn, from the lowest on. Each product, shifted right
+/// by 16, is added to the next one. Outside of these limits the plain loop runs:
 ///
 /// - The first two products fit in an `i32` for any slope, the third if the length is below 2^47.
 /// - The changes fit in an `i32` if the length is below 2^(15 + back).

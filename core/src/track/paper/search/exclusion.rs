@@ -122,7 +122,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         1 << self.shape.log2_passes
     }
 
-    /// The largest tile at offset (`column`, `row`). It starts earlier if fewer than 4 columns or rows are left there.
+    /// The largest tile that begins at offset (`column`, `row`), or earlier if less than 4 columns or rows are left.
     pub(super) fn tile(&self, window: &Window, column: usize, row: usize) -> Tile {
         let (columns, rows) = window.size();
         let ((column, columns), (row, rows)) =
@@ -130,8 +130,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Tile { column, row, columns, rows }
     }
 
-    /// Upper bound of the comparisons for bounding all groups of a window: 2 for each range of each tile; for each
-    /// group the template's pixels, and one word at the start, one in each pass, and one while offsets are scored.
+    /// Upper bound of the comparisons for bounding all groups of a window: 2 for each range of each tile, and for each
+    /// group the template's pixels and 2 + (number of passes) words of working memory.
     pub(super) fn most(window: (usize, usize), (width, height): (u16, u16)) -> u64 {
         let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
         let pixels = usize::from(width) * usize::from(height);
@@ -169,7 +169,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Some(Tile { column: tile.column + column, row: tile.row + row, columns, rows })
     }
 
-    /// The indices, among the rows of ranges of a pass, of the rows needed for `rest`, the remaining part of `tile`.
+    /// The rows of ranges that a pass needs for `rest`, a part of `tile`: index i is row `pass` + i * `passes()`.
     pub(super) fn rows(&self, tile: &Tile, rest: &Tile, pass: usize) -> Range<usize> {
         let first = rest.row - tile.row;
         let [first, end] = [first, first + self.shape.rows_of(rest.rows)]
@@ -242,8 +242,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
-    /// Compares the template rows of this pass with the ranges and lowers the group's bound accordingly; sets the bound
-    /// to 0 if it falls below `needed` (at least 1). Returns an upper bound of the number of compared pixels.
+    /// Compares the template rows of this pass with the ranges and lowers the group's bound accordingly; sets it to 0
+    /// if it falls below `needed`, which is at least 1. Returns an upper bound of the number of compared pixels.
     #[inline(always)]
     pub(super) fn bound_group(
         &mut self,
@@ -268,7 +268,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let is_whole = cfg!(not(smr_small)) && passes == 1; // saves a division
             let template = if is_whole { template } else { template.every(first, passes)? };
             let pixels = u32::from(template.width()) * u32::from(template.height());
-            // So far `bound` counts this pass's rows as fully similar. The bound of their score replaces that share.
+            // `bound` still counts this pass's rows as fully similar: replaces their share by the bound of their score.
             let others = *bound - pixels * u32::from(Table::ONE);
             let score = scorer.bound(&blocks, template, needed.saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
@@ -316,7 +316,7 @@ impl Shape {
         None
     }
 
-    /// The sizes of the tiles on an axis of `all` offsets, the largest being `most`: see [`Ranges::tile`].
+    /// The sizes in offsets of the tiles on an axis of `all` offsets; `most` is the largest size: see [`Ranges::tile`].
     fn sides(&self, most: usize, all: usize) -> impl Iterator<Item = usize> + Clone {
         (0..all).step_by(most.max(1)).map(move |from| most.min(all - from).max(SIDE.min(all)))
     }
@@ -327,7 +327,7 @@ impl Shape {
         ranges <= half(capacity) && tile.groups() <= groups
     }
 
-    /// True if the ranges of a tile cost at most 1/16 of scoring its offsets: a small loss if they exclude none.
+    /// True if a tile's ranges cost at most 1/16 of scoring its offsets: a small loss if they exclude no group.
     fn pays(&self) -> bool {
         let ranges = 2 * self.columns_of(self.columns) * self.rows_of(self.rows);
         16 * ranges <= self.columns * self.rows * self.width * self.height
@@ -355,9 +355,9 @@ fn tile_extent(from: usize, most: usize, all: usize) -> (usize, usize) {
     (from.min(all.saturating_sub(size)), size)
 }
 
-/// True if it is worth bounding a group further after `done` of `passes` passes: its `bound` still reaches `needed`,
-/// but would end below `needed` if every pass lowered it by 5/4 of the mean per pass so far. Other groups are bounded
-/// no further, so a search that can exclude nothing stops bounding after the first pass.
+/// True if further passes over a group are worthwhile after `done` of `passes` passes: its `bound` still reaches
+/// `needed`, but would fall to `needed` or below if all passes lowered it by 5/4 of the mean of the passes done. Other
+/// groups are bounded no further, so a search that can exclude nothing stops bounding after the first pass.
 fn is_promising(bound: u32, needed: u32, area: u32, done: usize, passes: usize) -> bool {
     // The loss of score, divided by 32 so that 20 times a loss fits a `u32`.
     let lost = |score: u32| (area * u32::from(Table::ONE)).saturating_sub(score) >> 5;
@@ -371,8 +371,8 @@ const fn half(capacity: usize) -> usize {
     capacity / 2 / WORD * WORD
 }
 
-/// Computes the ranges of `width` blocks with the top left pixels (`x`, `y`), (`x` + 1, `y`), and so on. `pixels` begin
-/// at (`x`, `y`), if known. Pixels outside the frame are 0.
+/// Computes the ranges of `width` blocks with the top left pixels (`x`, `y`), (`x` + 1, `y`), and so on. `pixels`, if
+/// given, begin at (`x`, `y`). Pixels outside the frame are 0.
 #[inline(always)]
 fn ranges_at(
     frame: &Frame<'_>,

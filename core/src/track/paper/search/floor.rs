@@ -25,8 +25,8 @@ enum SecondGoal {
     RunnerUp { neighbourhood: u16, floor: u32 },
 }
 
-/// The bounding box of the offsets with the peak's score. Each side touches one of them, so the box suffices to decide
-/// whether any lies outside the peak's neighbourhood.
+/// The bounding box of the offsets with the peak's score. Each side touches such an offset, so the box suffices to
+/// decide whether one of the offsets lies outside the peak's neighbourhood.
 #[derive(Clone, Copy)]
 struct Equals {
     neighbourhood: u16,
@@ -132,7 +132,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         };
     }
 
-    /// Raises the floor to the best score that two distant offsets both reach; `note` tries only pairs with the peak.
+    /// Raises the floor to the best score that two distant offsets both reach. (`note` tries only pairs with the peak.)
     pub(super) fn raise_floor(&mut self) {
         if let SecondGoal::RunnerUp { neighbourhood, floor } = &mut self.second_goal {
             *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);
@@ -161,7 +161,7 @@ mod tests {
     use crate::Rect;
     use crate::track::paper::search::Radius;
 
-    /// With the floor just below the peak's score, an offset that equals the peak but loses the tie is the runner-up.
+    /// If the floor is 1 below the peak's score, an offset of equal score that loses the tie is the runner-up.
     #[test]
     fn a_runner_up_may_score_as_much_as_the_peak() {
         let window = Window::new(Rect::new(20, 20, 4, 4), Radius { x: 10, y: 10 }, Rect::new(0, 0, 60, 60), 0);

@@ -44,8 +44,8 @@ impl Extent {
         self.offsets() * self.pixels() + groups
     }
 
-    /// Upper bound of the comparisons for the runner-up: nine scouts (offsets scored first), the whole window, and
-    /// reading the maxima: at the start, at the end, and to raise the floor (at most 1/32 of the work).
+    /// Upper bound of the comparisons for the runner-up: scoring nine scouts and then the whole window; reading the
+    /// maxima once at the start, once at the end, and to raise the floor (at most 1/32 of the scoring and bounding).
     fn runner_up<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let scouts = if self.offsets() >= 288 { 9 * self.pixels() } else { 0 };
         let all = scouts + self.peak::<PIXELS, SPAN>();

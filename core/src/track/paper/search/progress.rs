@@ -53,7 +53,7 @@ pub(super) enum Stage {
 
 /// The position of a search within its present stage.
 pub(super) struct Place {
-    /// The first offset of the present tile; without groups, the present offset.
+    /// The first offset of the present tile; the present offset if the window is not divided into tiles.
     pub(super) column: usize,
     pub(super) row: usize,
     /// Index of the next neighbour, scout, row of ranges, or group, depending on the stage.
@@ -64,7 +64,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The start of the tile at (`column`, `row`) of the window; without groups, the single offset at that position.
+    /// The start of the tile at (`column`, `row`) of the window; that offset itself if the window has no tiles.
     pub(super) const fn tile(column: usize, row: usize) -> Self {
         Self { column, row, next: 0, offset: 0, pass: 0 }
     }

@@ -24,7 +24,7 @@ impl<const SPAN: usize> Row<SPAN> {
         rolled(self.maxima.iter_mut().take(len)).for_each(|maximum| *maximum = 0);
     }
 
-    /// The maxima in use. All fit, because `lock` refuses a window of more than `SPAN` offsets on an axis.
+    /// The maxima in use. They fit the array, because `lock` refuses a window of more than `SPAN` offsets on an axis.
     fn all(&self) -> &[u32] {
         self.maxima.get(..self.len).unwrap_or_default()
     }
@@ -53,7 +53,7 @@ impl<const SPAN: usize> Maxima<SPAN> {
         best_pair(self.columns.all(), distance).max(best_pair(self.rows.all(), distance))
     }
 
-    /// The largest score more than `neighbourhood` pixels from the peak in x or in y; 0 if there is none.
+    /// The largest score of an offset more than `neighbourhood` pixels from the peak in x or in y; 0 if there is none.
     pub(super) fn outside(&self, window: &Window, peak: &Peak, neighbourhood: u16) -> u32 {
         let columns = largest_away(self.columns.all(), *window.xs().start(), peak.x, neighbourhood);
         let rows = largest_away(self.rows.all(), *window.ys().start(), peak.y, neighbourhood);
@@ -92,7 +92,7 @@ fn best_pair(maxima: &[u32], distance: usize) -> u32 {
     both
 }
 
-/// The largest entry more than `neighbourhood` away from the entry of the peak.
+/// The largest entry whose index is more than `neighbourhood` from that of the peak; 0 if there is none.
 fn largest_away(maxima: &[u32], first: i32, peak: i32, neighbourhood: u16) -> u32 {
     let peak = usize::try_from(peak.saturating_sub(first)).unwrap_or(0);
     let before = maxima.get(..peak.saturating_sub(neighbourhood.into()));

@@ -66,8 +66,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = Stage::Scouts;
     }
 
-    /// Scores the next of nine scouts: corners, middles of the edges and centre of the window. Two scouts far enough
-    /// apart set a floor for the runner-up. Only in windows of 288 offsets or more, of which nine are at most 1/32.
+    /// Scores the next of nine scouts: corners, edge middles and centre of the window. Two scouts far enough apart set
+    /// a floor for the runner-up. Only in windows of 288 offsets or more, of which nine scouts are at most 1/32.
     fn scout(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
         let number = self.place.next;
@@ -80,7 +80,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.place.next += 1;
     }
 
-    /// Scores the next offset, row by row.
+    /// Scores the next offset of the window, which it goes through row by row.
     fn next_offset(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
         let (x, y) = scene.window.position(self.place.column, self.place.row);
@@ -94,7 +94,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Begins the descent at the last position. In a small window, or at the frame's edge, it ends at once.
+    /// Begins the descent at the last position. In a small window or at the frame's edge, the descent ends at once.
     pub(super) fn last_position(&mut self, scene: &Scene<'_>) {
         let (x, y) = scene.window.centre();
         self.descent = Descent { x, y, best: (x, y), best_sad: u32::MAX, step: 0 };
@@ -147,8 +147,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. The 8 SADs of a step (of every fourth row) cost as much as
-/// scoring 2 offsets, and the SADs of all steps at most 1/64 of scoring the window.
+/// The first step of the descent in pixels: 0, 1, 2, 4 or 8. The 8 SADs of a step, each of every fourth row, cost as
+/// much as scoring 2 offsets; the SADs of all steps together cost at most 1/64 of scoring the window.
 fn first_step(window: &Window) -> u8 {
     first_step_of(window.size())
 }

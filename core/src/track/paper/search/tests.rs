@@ -65,7 +65,7 @@ static STEEP: Table = match Table::new(20) {
     Err(_) => panic!("20 is in range"),
 };
 
-/// The capacity of the search: the pixels of the largest template, so that large windows need several tiles.
+/// The capacity of the search in pixels: just the largest template's, so that large windows need several tiles.
 const PIXELS: usize = 24 * 20;
 
 prop_compose! {
@@ -137,7 +137,7 @@ impl Case {
     fn most_work(&self) -> u64 {
         let (columns, rows) = self.window.size();
         let (offsets, pixels) = ((columns * rows) as u64, u64::from(self.template.0) * u64::from(self.template.1));
-        // Scoring all offsets, plus 1/16 for ranges, 1/32 each for descent and scouts. Then all groups, 3 more scores.
+        // Factor 9/8: all offsets, 1/16 for ranges, 1/32 for descent, 1/32 for scouts. Then all groups and 3 scores.
         let groups = (columns.div_ceil(4) * rows.div_ceil(4)) as u64;
         // Words of working memory that are read: each maximum twice, each group at most 8 times.
         let words = 2 * (columns + rows) as u64 + 8 * groups;

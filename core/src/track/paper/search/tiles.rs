@@ -47,7 +47,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = Stage::Exclude;
     }
 
-    /// Computes as many rows of ranges at once as the grant allows, if the backend can. Returns their number.
+    /// Computes as many rows of ranges as the grant allows, if the backend can do several at once. Returns their count.
     fn compute_several(
         &mut self,
         scene: &Scene<'_>,
@@ -102,7 +102,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 (self.place.next, self.place.offset) = (group, 0);
             }
             let new = self.tile.first_unshared(group);
-            // Raises the floor at a row's first remaining group, if it costs at most 1/32 of the work since last time.
+            // Once per row of groups: raises the floor if that costs at most 1/32 of the work since it was last raised.
             let is_first = self.place.offset == 0 && (from == 0 || new.1 != self.tile.first_unshared(from - 1).1);
             if is_first && self.since_floor.wrapping_add(self.work) / 32 >= maxima_count(scene) {
                 self.raise_floor(scene);
@@ -175,9 +175,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// The offsets of `wanted` (a bit mask of four, from (`x`, `y`) to the right) that may score `needed`, by upper bounds:
-/// template pixels inside the frame at all four offsets by `Scorer::candidates`, pixels outside at all four by their
-/// score on the padding, all others as fully similar. `None` if no offset can be excluded.
+/// The offsets of `wanted` (a bit mask of four, from (`x`, `y`) to the right) whose upper bound of the score reaches
+/// `needed`. In the bound, `Scorer::candidates` compares template pixels that are in the frame at all four offsets;
+/// pixels outside at all four count as on padding, others as fully similar. `None` if no offset can be excluded.
 fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
     let Scene { frame, template, scorer, .. } = scene;
     let four = Rect::new(x, y, template.width().saturating_add(3), template.height());

@@ -82,7 +82,7 @@ impl Window {
         (self.left.saturating_add(column as i32), self.top.saturating_add(row as i32))
     }
 
-    /// The largest (columns, rows) of a window of `radius` around a box of this size, anywhere in the frame.
+    /// The (columns, rows) of the largest window of `radius` around a box of `target`'s size, anywhere in the frame.
     pub(crate) fn largest_size(target: Rect, radius: Radius, bounds: Rect, padding: u16) -> (usize, usize) {
         let most = |radius: u16, frame: u16, size: u16| {
             let all = (usize::from(frame) + 2 * usize::from(padding)).saturating_sub(usize::from(size)) + 1;
@@ -162,7 +162,7 @@ fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     (from, u16::try_from(end - from).unwrap_or(u16::MAX))
 }
 
-/// (first, last) position of the window on an axis. Not empty and not beyond the padding, for any `at`.
+/// (first, last) position of the window on an axis. For any `at`, the range is not empty and not beyond the padding.
 #[cfg_attr(smr_small, inline(never))]
 fn span(at: i32, radius: u16, padding: u16, frame: u16, size: u16) -> (i32, i32) {
     let first = -i32::from(padding);

@@ -52,7 +52,7 @@ impl Confidence {
     /// The confidence in a target that is given up, and searched only by redetection.
     pub(crate) const NONE: Self = Self(0);
 
-    /// The confidence after redetection: the evidence, clamped to the range of *uncertain* (if empty, to `lost_below`).
+    /// The confidence after redetection: the evidence clamped to the *uncertain* range, or `lost_below` if it is empty.
     pub(crate) fn found(evidence: Evidence, config: &Config) -> Self {
         let below = |bound: u16| (3 * i32::from(bound) + 1) / 2;
         Self(evidence.0.min(below(config.uncertain_below) - 1).max(below(config.lost_below)))

@@ -31,7 +31,7 @@ pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 
 /// Units of work for each sample, including its share of its cell's features.
 const FEATURED: u32 = 64;
-/// Lines of samples for a row of cells: its own, and one above and below for the gradients.
+/// Lines of samples that a row of cells needs: `CELL` in the cells, and for the gradients one above and one below them.
 const LINES: u32 = CELL as u32 + 2;
 
 pub(crate) const fn most_work(extent: Extent) -> u32 {
@@ -47,7 +47,7 @@ const fn columns(extent: Extent) -> u32 {
     (extent.across + 2 * extent.reach) * CELL as u32 + 2
 }
 
-/// Sums over the samples of each cell in a row, channel by channel: gradients by orientation, and gray (at most 4,080).
+/// Sums over each cell's samples, `[channel][cell]`: of gradients by orientation, then of gray levels (at most 4,080).
 pub(super) type Row = [[u16; ROW]];
 const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
 
@@ -55,7 +55,7 @@ const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
 pub(crate) struct Extractor {
     sampling: Sampling,
     lines: [[u8; COLUMNS]; SIDE],
-    /// Sums of the last two rows of cells. Between two windows, products of the filter use this memory.
+    /// Sums of the last two rows of cells. Once a window's features are complete, the filter borrows this memory.
     sums: Packed,
     /// Gradient energies of the last three rows of cells.
     energies: [[u32; ROW]; 3],
@@ -146,7 +146,7 @@ impl Extractor {
             }
         }
         let of_row = across * CHANNELS;
-        // Not `chunks`, because the compiler would link its panic.
+        // Does not use `chunks`, because the compiler would link the code of its panic.
         let from = row.checked_sub(1).map(|row| usize::from(row) * of_row);
         if let Some(out) = from.and_then(|from| out.get_mut(from..from + of_row)) {
             normalise(finished, energies, 1 + u32::from(row > 1) + u32::from(row < down), out);

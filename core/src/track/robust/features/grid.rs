@@ -30,8 +30,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The grid for a box of this size. Sides are rounded. Template and filter have at most 1600 pixels and 200 cells,
-    /// so they cover only the middle of a very long box.
+    /// The grid for a box of this size, with rounded sides. The template has at most 1600 pixels, the filter at most
+    /// 200 cells, so they cover only the middle of a very long box.
     ///
     /// ```
     /// use smr_core::{Rect, robust::Grid};
@@ -114,7 +114,7 @@ fn step(area: u32) -> u32 {
     root.max(LEAST_STEP)
 }
 
-/// Cells of the filter on an axis of `size` pixels. No overflow: 7 * 65535 * 2^12 and 20 * `step` are below 2^31.
+/// Cells of the filter for a box side of `size` pixels. No overflow: 7 * 65535 * 2^12 and 20 * `step` are below 2^31.
 #[inline(never)]
 fn cells(size: u16, step: u32) -> u16 {
     let [cover, of] = COVER;

@@ -21,9 +21,9 @@ use heapless::Vec;
 
 /// Columns of the largest lattice: a search window, and a pixel on each side for the gradients.
 pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
-/// Units of work for each sample, without the pixels read.
+/// Units of work for each sample, in addition to one for each pixel that is read.
 pub(crate) const SAMPLED: u32 = 32;
-/// The largest number of frame pixels, or of blocks of pixels, under a row of the largest lattice.
+/// The largest number of frame pixels, or of blocks of pixels, that a row of the largest lattice covers.
 const ROW: usize = 2 * COLUMNS + 2;
 
 /// Upper bound of the frame pixels that a lattice reads: four of each block, if samples are less than two blocks apart.
@@ -42,7 +42,7 @@ pub(crate) struct Lattice {
     pub(crate) rows: u16,
 }
 
-/// One axis of a lattice on the reduced frame, in units of 1/4096 block. Positions are below 2^29: a frame has at most
+/// One axis of a lattice, in units of 1/4096 block (2^`halvings` pixels). Positions are below 2^29: a frame has at most
 /// 65,535 pixels on a side, and a lattice reaches less than twice `COLUMNS` blocks beyond it.
 #[derive(Clone, Copy)]
 struct Axis {
@@ -66,7 +66,7 @@ impl Axis {
     /// The index of the block at a sample, and the weight of the next block in units of 1/256.
     #[inline(always)] // a few instructions, once for each column
     fn block_at(&self, number: u16) -> (u16, u8) {
-        // Nothing overflows (see `Axis`). Not `clamp`, because the compiler would link its panic.
+        // Nothing overflows (see `Axis`). Does not use `clamp`, because the compiler would link the code of its panic.
         let position = self.first.wrapping_add(i32::from(number).wrapping_mul(self.step)).min(self.end).max(0);
         let position = position.unsigned_abs();
         let [fraction, ..] = (position >> (PIXEL_BITS - 8)).to_le_bytes();
@@ -100,10 +100,10 @@ impl Lattice {
         Self { x, y, step, step_down: step, columns, rows }
     }
 
-    /// The number of halvings of the frame, after which the mean of both steps is less than two blocks of pixels.
+    /// The number of halvings of the frame after which `step` and `step_down` average less than two sides of a block.
     #[inline(never)]
     fn halvings(&self) -> u32 {
-        // The least number h of halvings with which the sum of both steps is below 2^(h + BITS).
+        // The least number h of halvings with which `sum` is below 2^(h + BITS).
         const BITS: u32 = PIXEL_BITS + 2;
         let sum = self.step + self.step_down;
         sum.checked_ilog2().map_or(0, |log| (log + 1).saturating_sub(BITS))
@@ -281,10 +281,10 @@ impl Sampler<'_> {
     }
 }
 
-/// Interpolates two rows: upper * (256 - fraction) + lower * fraction, which is at most 255 * 256, less `BIAS`.
+/// Interpolates two rows: sum - `BIAS`, where sum = upper * (256 - fraction) + lower * fraction <= 255 * 256.
 #[cfg(not(any(smr_helium, smr_swar)))]
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
-    // Computes two 16-bit values at a time. Subtracting 2^15 inverts the highest bit.
+    // Computes two 16-bit values at a time. Inverting the highest bit subtracts a `BIAS` of 2^15.
     const EVEN: u32 = 0x00FF_00FF;
     const BOTH: u32 = (BIAS as u32) << 16 | BIAS as u32;
     let fraction = u32::from(fraction);
@@ -304,7 +304,7 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// Interpolates two rows in a plain loop: vectorized by eight for Helium; elsewhere fastest, as word access is slow.
+/// Interpolates two rows in a plain loop: vectorized by eight for Helium, fastest for `smr_swar` (slow word access).
 #[cfg(any(smr_helium, smr_swar))]
 #[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
@@ -464,7 +464,7 @@ mod tests {
         }
     }
 
-    /// Lattice steps of a box of 65535x65535 pixels that has grown fivefold, and the longest rows.
+    /// Tries steps up to that of a box of 65535x65535 pixels, grown fivefold, and the longest rows of a lattice.
     #[test]
     fn the_farthest_positions() {
         let (pixels, most) = (noise(65_535, 1), u16::try_from(COLUMNS).unwrap());

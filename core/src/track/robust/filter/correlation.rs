@@ -18,7 +18,7 @@
 use crate::kernels::{GradientStep, Layout, Packed, Products, ScaledSums, rolled};
 use heapless::Vec;
 
-/// A window of features, cell by cell, and the layout of the filter on it.
+/// The features of a window, cell by cell, and a `Layout`: which of these bytes the filter covers at each offset.
 #[derive(Clone, Copy)]
 pub(crate) struct FeatureWindow<'a> {
     pub(crate) cells: &'a [i8],
@@ -50,7 +50,7 @@ pub(super) fn add_gradient<const S: usize>(
     piece + 1 >= products.gather_pieces(layout, gradient.len())
 }
 
-/// The largest coded value, so that a sum of 2000 products with features of 8 bits stays below 2^31.
+/// The largest number in `Coded`, so that a sum of 2000 products with 8-bit features stays below 2^31.
 pub(crate) const LARGEST: u32 = 8191;
 
 /// Up to `N` 16-bit integers with a common exponent (block floating point): each value is number * 2^`shift`.
@@ -78,7 +78,7 @@ impl<const N: usize> Coded<N> {
     #[inline(never)]
     #[allow(clippy::cast_possible_truncation)] // at most 2047 + 3/4 * 8191, a coded value
     pub(super) fn set_direction(&mut self, sums: &[i32], unit: u32, beta: i64) {
-        // The largest beta, 3/4, in units of 1/65536. The shift also adapts beta to the units of both directions.
+        // The largest beta, 3/4, in units of 1/65536. The shift also converts from the old direction's unit to `unit`.
         const MOST: i32 = 3 << 14;
         let beta = beta >> (9 + self.shift).saturating_sub(unit);
         let beta = i32::try_from(beta).unwrap_or(MOST).min(MOST);

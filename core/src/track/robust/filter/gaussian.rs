@@ -10,12 +10,12 @@ use super::super::features::Grid;
 use crate::kernels::rolled;
 use crate::similarity::PAPER;
 
-/// The factor exp(-256 / 255) for each 256 beyond the 256 entries of the table exp(-x / 255), in units of 1/65536.
+/// The factor exp(-256 / 255) for each 256 in x, in units of 1/65536. The table exp(-x / 255) covers only x < 256.
 const LOWER: u32 = 24_015;
 
 #[derive(Clone, Copy)]
 pub(crate) struct Gaussian {
-    /// The factor 255 / sigma^2 of the exponent, in units of 2^-24.
+    /// The factor 255 / sigma^2 in x = 255 / 2 * (d / sigma)^2, in units of 2^-24.
     factor: u32,
 }
 

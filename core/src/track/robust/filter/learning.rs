@@ -45,7 +45,7 @@ pub(crate) const fn most_of_a_lock(extent: Extent) -> u32 {
     without_responses(extent) + response::most_work(extent)
 }
 
-/// Upper bound of the work for an update's step, where the direction's responses reach only 5/8 of the search radius.
+/// Upper bound of the work for a learning step of an update, with responses only within 5/8 of the search radius.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     without_responses(extent) + response::most_work(Extent { reach: 5 * extent.reach / 8, ..extent })
 }
@@ -54,7 +54,7 @@ const fn without_responses(extent: Extent) -> u32 {
     extent.offsets() + response::most_work(extent) + (2 * CODED + SLOPED) * extent.weights()
 }
 
-/// Upper bound of the work for a piece: errors, direction, or the last row of responses with the change of the weights.
+/// Upper bound of the work for a piece: all errors, or the direction, or the last responses and the change of weights.
 pub(crate) const fn most_work_of_a_piece(extent: Extent) -> u32 {
     let errors = extent.offsets() + CODED * extent.weights();
     let last = response::most_work_of_a_piece(extent) + CODED * (extent.weights() + extent.offsets());
@@ -69,9 +69,9 @@ pub(crate) struct Training<'a> {
     pub(crate) products: Products,
 }
 
-/// Sums for each weight and for each offset, and coded errors. Other stages reuse this memory: see `run/buffers.rs`.
+/// Sums for each weight and each offset, and 16-bit errors. Other stages reuse this memory: see `run/buffers.rs`.
 pub(crate) struct Sums {
-    /// The gradient, in the unit of the coded errors. While responses are computed, scratch memory.
+    /// The gradient, in the unit of `coded_errors`. While responses are computed, scratch memory.
     pub(crate) per_weight: [i32; WEIGHTS],
     /// First: errors before coding, in units of 1/16384. Second: scratch memory. Third: responses to the direction.
     pub(super) per_offset: [[i32; SPAN]; SPAN],
@@ -85,7 +85,7 @@ impl Sums {
         Self { per_weight: [0; WEIGHTS], per_offset: [[0; SPAN]; SPAN], coded_errors: [[0; SPAN]; SPAN] }
     }
 
-    /// Computes and codes the errors, and clears the gradient. Returns `error_shift`.
+    /// Computes the errors, stores them in `coded_errors` (16 bits), clears the gradient. Returns `error_shift`.
     #[inline(never)]
     fn code_errors(&mut self, training: &Training<'_>, target: (i32, i32)) -> u32 {
         let Self { per_weight: gradient, per_offset: errors, coded_errors: coded } = self;
@@ -95,8 +95,8 @@ impl Sums {
         shift
     }
 
-    /// Computes and codes the direction. `direction` holds the previous one, and `descent_before` is its descent (grad
-    /// E . z), or 0 for steepest descent. Returns the new descent, in the squared unit of the direction.
+    /// Computes the direction as 16-bit integers. `direction` holds the previous one, `descent_before` the previous
+    /// descent (grad E . z), or 0 for steepest descent. Returns the new descent, in the squared unit of the direction.
     ///
     /// A slope is an element of grad E: `REGULARISATION` * weight + 2^(16 + `error_shift`) * gradient. The gradient is
     /// below 2^30 and `error_shift` at most 3, so a slope can exceed 32 bits. The loop tries units of 2^`unit`, the
@@ -116,7 +116,7 @@ impl Sums {
         descent_before: i64,
         direction: &mut Coded<WEIGHTS>,
     ) -> i64 {
-        // Clears the gradient's scratch data, because the step length sums over all offsets, even without a response.
+        // Clears what the gradient left here: the step length sums over all offsets, also those without a response.
         self.per_offset.as_flattened_mut().fill(0);
         let weights = training.filter.weights();
         let sums = self.per_weight.get_mut(..weights.len()).unwrap_or_default();
@@ -156,8 +156,8 @@ impl Sums {
     fn step_length(&self, direction: &[i16], descent: i64, rate: u16, [offsets, measured]: [i64; 2]) -> i64 {
         // The sum is at most 2000 * 8191^2 < 2^37.
         let squared: i64 = rolled(direction.iter()).map(|&number| i64::from(number).pow(2)).sum();
-        // A response is below 2^31, and its square after a shift by 9 bits below 2^44. 289 squares are below 2^53.
-        // Shifted right by 8 bits and times 289 they stay below 2^54.
+        // A response is below 2^31; shifted right by 9 bits and squared, below 2^44. A sum of 289 squares is below
+        // 2^53; shifted right by 8 bits and times 289, it stays below 2^54.
         let responses = rolled(self.per_offset.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
         let responses = quotient((responses.sum::<i64>() >> 8) * offsets, measured) << 8;
         let curvature = ((REGULARISATION * squared) >> 18) + responses;
@@ -188,8 +188,8 @@ fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i3
     largest
 }
 
-/// Computes and codes the slopes weight * `factor` / 2^32 + sum * 2^`left`, divided by 2^`shift`. Replaces `sums` by
-/// the masked slopes z = m * grad E, and returns grad E . z.
+/// Computes the slopes weight * `factor` / 2^32 + sum * 2^`left`, divided by 2^`shift`, as 16-bit integers. Replaces
+/// `sums` by the masked slopes z = m * grad E, and returns grad E . z.
 #[inline(never)]
 fn mask(grid: &Grid, weights: &[i32], (factor, left, shift): (i64, u32, u32), sums: &mut [i32]) -> i64 {
     let [across, down] = Gaussian::mask(grid);
@@ -262,7 +262,7 @@ impl Learning {
         Self { locks: true, ..Self::begin((0, 0), WHOLE_STEP) }
     }
 
-    /// Computes a piece of a step. The last piece completes `direction`, begins the next step, returns the step length.
+    /// Computes a piece of a step. The last piece returns the step length along `direction`, and begins the next step.
     pub(crate) fn next_piece(
         &mut self,
         training: &Training<'_>,
@@ -374,7 +374,7 @@ mod tests {
         }
     }
 
-    /// Tries the largest beta after a direction of the largest coded values.
+    /// Adds to `sums` the largest beta times a previous direction of the largest numbers.
     #[test]
     fn a_direction_stays_a_code() {
         let (mut direction, mut filter) = (Coded::<2>::new(), Filter::<2>::new());

@@ -52,7 +52,7 @@ pub(crate) struct Peak {
     pub(crate) height: i32,
 }
 
-/// The layout of the filter on a window of cells with a margin of `span / 2` cells on each side.
+/// The memory layout for a filter that moves over a window of cells by up to `span / 2` cells to each side.
 pub(crate) fn layout(grid: &Grid, span: usize) -> Layout {
     let row = usize::from(grid.across) * CHANNELS;
     Layout { row, stride: row + span.saturating_sub(1) * CHANNELS, step: CHANNELS, span }
@@ -69,7 +69,7 @@ impl Responses {
         *self = Self { span, ..const { Self::new() } };
     }
 
-    /// Computes one piece of the responses of coded weights, without penalty. True after the last piece.
+    /// Computes one piece of the responses of a filter with these weights, without penalty. True after the last piece.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn compute(
@@ -104,7 +104,7 @@ pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let mut response = responses.at(x, y).unwrap_or(i32::MIN);
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
-            // Skips the penalty if a response is no maximum without it, because a penalty never raises a response.
+            // Skips the penalty if a response does not exceed the best one even without it: a penalty never raises it.
             let counted = if candidate > response { responses.with_penalty(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);

@@ -43,7 +43,7 @@ pub(crate) struct ScaleSearch {
     /// The height of the best peak so far, in units of 1/16384, and its scale, in units of 1/65536.
     highest: i64,
     best: u32,
-    /// Index of the present scale. 0: the last scale, 1: the smaller, 2: the larger one.
+    /// Index of the present scale. 0: the scale of the last frame, 1: the next smaller one, 2: the next larger one.
     number: usize,
     /// True if the features at the present scale are computed.
     sampled: bool,

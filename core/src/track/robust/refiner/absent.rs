@@ -1,5 +1,5 @@
-//! The refiner in a build without the feature `refiner`: an empty struct replaces its memory, and an enum without
-//! variants its stages. [`Config::refines`](super::Config) is false, so the compiler removes all calls.
+//! The refiner in a build without the feature `refiner`: its memory is an empty struct, and its stages are an enum
+//! without variants. [`Config::refines`](super::Config) is false, so the compiler removes all calls.
 
 use super::features::Sampling;
 use crate::image::{FineRect, Frame, Rect};

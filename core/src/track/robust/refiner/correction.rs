@@ -14,12 +14,12 @@ use crate::image::FineRect;
 use crate::track::saved::{Reader, Writer};
 
 const ONE: i32 = 1 << 16;
-/// The least and the largest factor of width and height, in units of 1/65536: 1/2 and 2.
+/// The least and the largest factor of width and height: 1/2 and 2, in units of 1/65536.
 const LEAST_FACTOR: i32 = ONE / 2;
 const MOST_FACTOR: i32 = 2 * ONE;
 /// The largest shift of the centre, in units of 1/4096 of the box's side: half a side.
 const MOST_SHIFT: i32 = 1 << 11;
-/// The largest magnitude of an estimate, in units of 1/4096: 1. Larger estimates are clamped to it.
+/// The largest magnitude of an estimate: 1, in units of 1/4096. Larger estimates are clamped to it.
 const MOST_ESTIMATE: i32 = 1 << 12;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

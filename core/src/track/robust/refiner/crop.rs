@@ -26,7 +26,7 @@ pub(super) const WORK: u32 = {
     let side = ROWS as u32;
     side * side * (SAMPLED + NORMALISED) + 4 * (2 * side + 2) * (2 * side + 2)
 };
-/// The input of the network for a sample at the mean of its crop.
+/// The input of the network for a sample whose gray level is the mean of the crop.
 pub(super) const MEAN: i8 = 64;
 
 #[derive(Clone, Copy)]
@@ -102,7 +102,7 @@ impl Crop {
     }
 }
 
-/// Replaces samples by inputs of the network. The sum of squares is below 2^26, a product at most `255 * 2^14`.
+/// Replaces samples by network inputs. `squares` is below 2^26, and a product with `gain` at most `255 * 2^14`.
 #[inline(never)]
 fn normalise(crop: &mut [i8; SAMPLES]) {
     let sample = |&sample: &i8| i32::from(sample.cast_unsigned());

@@ -189,7 +189,7 @@ impl Layers {
         None
     }
 
-    /// The index of the row's first output, and the row's count of outputs. Inputs of a convolution have a border.
+    /// The index of the row's first output, and the row's count of outputs. Outputs for a convolution have a border.
     fn place(&self, side: usize, channels: usize) -> (usize, usize) {
         let border = usize::from(self.number + 1 < CONVOLUTIONS.len());
         (((self.row + border) * (side + 2 * border) + border) * channels, side * channels)

@@ -17,17 +17,17 @@ use super::network::Outputs;
 use crate::track::State;
 use crate::track::saved::{Reader, Writer};
 
-/// The maximum of trust and of its running mean, the opinion, in units of 1/4096: 3.
+/// The maximum of the trust in a box, and of its running mean, the opinion: 3, in units of 1/4096.
 const MOST: i32 = 3 << 12;
-/// The opinion below which the target is *uncertain*, in units of 1/4096: 1.19, for expected errors of 0.12 sides.
+/// The opinion below which the target is *uncertain*: 1.19, when errors of 0.12 box sides are expected. Unit: 1/4096.
 const UNCERTAIN_BELOW: i32 = 4864;
-/// The opinion below which the target is *lost*, in units of 1/4096: 0.8, for expected errors of 0.15 sides. Of 95
+/// The opinion below which the target is *lost*: 0.8, when errors of 0.15 box sides are expected. Unit: 1/4096. Of 95
 /// targets covered by noise, 67 are *lost* within 30 frames. A threshold of 2868 makes 55 *lost*, and changes the
 /// fraction R of right frames by +0.0008 +- 0.0006; one of 3686 makes 80 *lost*, and changes R by -0.0020 +- 0.0011.
 const LOST_BELOW: i32 = 3277;
 /// Updates in a row with an opinion below `UNCERTAIN_BELOW` after which the target is given up.
 const PATIENCE: i32 = 30;
-/// The opinion of a target that was found again, in units of 1/4096: 0.8125, *uncertain* until the network trusts it.
+/// The opinion of a target just found again: 0.8125 in units of 1/4096, *uncertain* until the network trusts it.
 const FOUND: i32 = 3328;
 
 /// The opinion, packed. Low 16 bits: the mean, 0 to `MOST`. High 16 bits: the number of consecutive updates, up to now,

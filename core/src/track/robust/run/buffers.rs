@@ -1,4 +1,4 @@
-//! Scratch memory of an update or a lock. The stages use it in turn: the extractor lends its sums to the filter.
+//! Scratch memory of an update or a lock. Stages use it in turn: for example, the extractor lends the filter its sums.
 //!
 //! | stage | `extractor` | `large` | `responses` | `coded` | `sums` | `small` | `comparison` |
 //! |---|---|---|---|---|---|---|---|

@@ -1,5 +1,5 @@
-//! Upper bounds of the work of an update, a lock and a step: sums of the stages' bounds, which stand beside their
-//! formulas. A unit of work is about one instruction of a Cortex-M4: a product of weight and feature, or a pixel read.
+//! Upper bounds of the work of an update, a lock and a step, computed from the bounds of the stages, each in its own
+//! file. A unit of work is about one instruction of a Cortex-M4: a product of weight and feature, or a pixel read.
 
 use super::super::config::Config;
 use super::super::constants::{FIRST_STEPS, MOST_CELLS, MOST_SIDE};

@@ -170,7 +170,7 @@ impl Pipeline {
         self.stage = Stage::Verification(Verification::begin(candidate));
     }
 
-    /// Refines the verified candidate. Begins the scale search, unless the scale is refined or the size fixed.
+    /// Refines the verified candidate. Begins the scale search, unless refinement gave the scale or the size is fixed.
     #[inline(never)] // see `next_piece`
     fn refine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) {
         let Stage::Refinement(Verified { mut candidate, alignment }) = self.stage else { return };

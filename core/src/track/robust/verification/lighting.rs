@@ -26,7 +26,7 @@ use crate::image::Image;
 use crate::kernels::rolled;
 use crate::similarity::{Contrast, LARGEST_CONTRAST_RATIO};
 
-/// Units of work for each cell of the window in measuring its contrast.
+/// Units of work for measuring the contrast of a window, for each of the window's cells.
 const MEASURED: u32 = 12;
 
 pub(crate) const fn most_work(extent: Extent) -> u32 {
@@ -99,7 +99,7 @@ pub(super) fn can_show(patch: Contrast, template: Contrast, expected: u32) -> bo
 /// Adapts `template`, whose contrast is `from`, to the light of `patch`. Returns the contrast of `patch`, and the gain.
 pub(super) fn relight(template: &mut [u8], from: Contrast, patch: Image<'_>, expected: u32) -> (Contrast, u32) {
     let to = Contrast::of(patch);
-    // Not `clamp`, which can panic.
+    // Does not use `clamp`, which can panic.
     let gain = (ONE_GAIN * to.deviation / from.deviation.max(1)).min(2 * expected).max((expected / 2).max(1));
     for pixel in rolled(template.iter_mut()) {
         let deviation = (i32::from(*pixel) - from.mean.cast_signed()) * gain.cast_signed();

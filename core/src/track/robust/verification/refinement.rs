@@ -1,5 +1,5 @@
-//! Refinement: the early template gives place and size to a fraction of a pixel. It takes one Gauss-Newton step (Lucas
-//! and Kanade, 1981; Baker and Matthews, 2004) over right, down and growth, from the best alignment.
+//! Refinement: the early template gives place and size to a fraction of a pixel. From the best alignment, one
+//! Gauss-Newton step (Lucas and Kanade, 1981; Baker and Matthews, 2004) gives moves right and down, and growth.
 //!
 //! ```text
 //! minimise  sum over pixels p of  (e(p) + s(p) . (x, y, g))^2,    e = seen - template, clamped to +-alpha
@@ -50,9 +50,9 @@ pub(crate) fn refine(
     Some(Refined { x: 64 * i32::from(right) + x, y: 64 * i32::from(down) + y, growth })
 }
 
-/// The normal equations: sums over all pixels but those at the edge. A slope to the right or down is four times the
-/// mean slope of patch and template: at most 510. With (u, v), twice the distance from the middle, the slope outward is
-/// `(right * u + down * v) / 64`: at most 510 (columns + rows) / 64 < 1130.
+/// The normal equations: sums over all pixels but those at the edge. `right` and `down` are four times the slopes of
+/// the mean of patch and template: at most 510. With (u, v), twice the pixel's offset from the middle, the slope
+/// outward is `(right * u + down * v) / 64`: at most 510 * (columns + rows) / 64 < 1130.
 #[derive(Clone, Copy, Default)]
 struct NormalEquations {
     /// Sums of squared slopes to the right, down and outward: the diagonal of the matrix S.

@@ -20,7 +20,7 @@ pub(super) fn head(about: &About) -> String {
 }
 
 impl Images {
-    /// Returns an annotation, after a comma if it is not the first; empty if the target is not visible.
+    /// Returns an answer's annotation, after a comma if it is not the first; empty text if the target is not visible.
     pub fn annotation(&mut self, answer: &Answer<'_>) -> Result<String> {
         let &Answer { target, frame, size, report, .. } = answer;
         if self.frames.last() != Some(&frame) {

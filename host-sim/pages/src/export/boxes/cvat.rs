@@ -29,7 +29,7 @@ impl Tracks {
         (self.size, self.frames) = (answer.size, self.frames.max(answer.frame));
         let track = &mut self.tracks[answer.target];
         let target = answer.report.and_then(|report| report.target);
-        // `outside` is written once, as it lasts until the next box, and again if the user marks a lost target as gone.
+        // `outside` lasts until the next box, so it is written once, and again if the user marks a lost target as gone.
         let (is_outside, is_gone) = (target.is_none(), answer.report.is_none());
         let is_told = track.is_outside && (track.is_gone || !is_gone);
         let Some(seen) = target.or(track.last.filter(|_| !is_told)) else { return };

@@ -37,7 +37,7 @@ pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(3.0 * GAP + size.1.max(2.0 * ROW - GAP)))
 }
 
-/// Draws each method's difference maps from its template, in its box and in the true box, with histograms.
+/// Draws each method's difference maps to its template, one for its own box and one for the true box, with histograms.
 pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     const PATCH: Pair = (160.0, 120.0);
     const ROW: f64 = PATCH.1 + 2.0 * LINE;
@@ -86,7 +86,7 @@ pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(top + PLOT + 3.0 * LINE))
 }
 
-/// Returns the difference from the template in a box at the true centre, with the start box's offset from it.
+/// Returns the difference from the template at the true centre, shifted by the start box's offset from the true centre.
 fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference> {
     let start = BoundingBox::from(film.targets[0].start()).centre();
     let first = film.truth_at(0).map_or(start, |first| first.centre());
@@ -110,7 +110,7 @@ fn shades(sheet: &mut Sheet, left: f64, alpha: Option<u16>) -> Result<()> {
     Ok(())
 }
 
-/// Draws a target that leaves the frame and its padding, with the template, which is not updated meanwhile.
+/// Draws frames in which a target leaves, with a margin of padding, and the templates, marked unchanged or updated.
 pub(super) fn leaving(film: &Film, stills: &[&Still]) -> Result<String> {
     let mut sheet = Sheet::new(&format!("{}: leaving the frame", film.name));
     sheet.legend(film.truth.is_some());

@@ -1,4 +1,4 @@
-//! The paper's five figures, SMR beside SAD, for any recording, tracked twice: to choose frames, and to keep them.
+//! The paper's figures (SMR beside SAD) for any recording: a first run chooses the frames to draw, a second keeps them.
 
 mod drawn;
 mod sheet;
@@ -48,8 +48,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Chooses the frames of a figure. The user may name the `frame` of boxes and differences (an index from 0), and
-    /// the `hidden` frames. Errors: The recording, or its ground truth, lacks what the figure needs.
+    /// Chooses the frames of a figure, unless the user does: `frame` (index from 0) for `Boxes` and `Differences`,
+    /// `hidden` for `Occlusion`. Errors: The recording, or its ground truth, lacks what the figure needs.
     pub fn new(figure: Figure, film: &Film, frame: Option<usize>, hidden: Option<FrameRange>) -> Result<Self> {
         let plan = || {
             let mut hides = (0, 0);
@@ -90,7 +90,7 @@ fn compared(still: &Still, method: usize) -> Result<&Search> {
     still.observations[method].search.as_ref().context("something is compared in every frame but the first")
 }
 
-/// Number of frames to score and plot on each side of an occlusion.
+/// Number of frames to score and plot before an occlusion, and the same number after it.
 const AROUND: usize = 40;
 /// Distance in frames between an occlusion and the pictures that show the target before and after it.
 const BESIDE: usize = 10;
