@@ -1,6 +1,6 @@
-//! Chooses the fastest instruction set of a 32-bit processor and sets it as a cfg: `smr_helium`, `smr_dsp`, or
-//! `smr_swar` if it has neither. 64-bit processors and WebAssembly with SIMD need no cfg. On bare metal and in
-//! WebAssembly, where every byte of code counts, cfg `smr_small` prevents inlining into several callers.
+//! Chooses the fastest instructions of a 32-bit processor and sets their cfg: `smr_helium`, `smr_dsp`, or else
+//! `smr_swar`. 64-bit processors and WebAssembly with SIMD need no cfg. On bare metal and in WebAssembly, where every
+//! byte of code counts, cfg `smr_small` selects smaller code: functions with several callers are not inlined.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -23,7 +23,7 @@ fn main() {
 }
 
 /// The processor that the crate is compiled for. A stable compiler does not report features that it considers unstable,
-/// so the name of the processor or of the target decides, unless a flag names the feature.
+/// so they are recognised by the name of the processor or of the target, unless a flag of rustc names them.
 struct Processor {
     target: String,
     flags: Vec<String>,

@@ -28,13 +28,13 @@ here=$(cd "$(dirname "$0")" && pwd)
 [ -z "${SMR_LIBRARY:-}" ] || SMR_LIBRARY=$(realpath "$SMR_LIBRARY")
 cd "$here/../.."
 
-# Cargo's messages give the library's path, because its folder depends on the compiler and the environment.
+# Reads the library's path from Cargo's messages, because its folder depends on the compiler and the environment.
 library=${SMR_LIBRARY:-}
 if [ -z "$library" ]; then
   build=(cargo build)
   if [ -n "$target" ]; then
     build+=(--target "$target")
-    # If the compiler in use lacks the target, another installed one may have it.
+    # If the compiler in use cannot build for the target, another installed compiler may be able to.
     [ -d "$(rustc --print target-libdir --target "$target" 2>/dev/null)" ] || build=(.ci/target-cargo "$target" build)
   fi
   build+=(-p smr-c --profile firmware --locked --message-format json-render-diagnostics)
@@ -48,7 +48,7 @@ version=$(number MAJOR).$(number MINOR).$(number PATCH)
 definitions=()
 [ -z "${SMR_PIXELS:-}" ] || definitions+=("SMR_PIXELS=$SMR_PIXELS")
 [ -z "${SMR_SPAN:-}" ] || definitions+=("SMR_SPAN=$SMR_SPAN")
-# On a host the archive contains Rust's standard library, of which --gc-sections drops the unused part.
+# On a host libsmr.a contains Rust's standard library, which needs system libraries; --gc-sections drops unused parts.
 libraries=
 case $target in
   *-none-* | *-none) ;;

@@ -34,13 +34,13 @@ cd "$(dirname "$0")/../.."
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-# The code is position-independent. Each processor has its own build folder, because other flags of rustc would cause a rebuild.
+# Builds position-independent code, in a folder for each processor: a change of rustc's flags would cause a rebuild.
 built=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 library=$(CARGO_TARGET_DIR=$built/micropython/$arch CARGO_PROFILE_FIRMWARE_DEBUG=false RUSTFLAGS="-Crelocation-model=pic" \
   "${cargo[@]}" rustc -p smr-c --crate-type staticlib --profile firmware --locked --quiet "${features[@]}" \
   --message-format json-render-diagnostics | sed -n 's/.*"filenames":\[[^]]*"\([^"]*libsmr\.a\)".*/\1/p' | tail -n 1)
 
-# Options as in py/dynruntime.mk. Separate sections would move the start of the module, and jump tables would need libgcc.
+# Options as in py/dynruntime.mk. No separate sections: they move the module's start. No jump tables: they need libgcc.
 compile=("$gcc" "${flags[@]}" "${headers[@]}" -I"$work" -I"$micropython" -Icore/c/include -std=gnu99 -Os -Wall -Wextra -Wno-unused-parameter -Werror
   -fpic -fno-common -fno-stack-protector -fno-jump-tables -U_FORTIFY_SOURCE -DNDEBUG -DNO_QSTR -DMICROPY_ENABLE_DYNRUNTIME
   -DMICROPY_FLOAT_IMPL=MICROPY_FLOAT_IMPL_NONE '-DMP_CONFIGFILE="names.h"')
@@ -50,7 +50,7 @@ printf '#include <stdint.h>\ntypedef uintptr_t mp_off_t;\n' >"$work/names.h"
 "${mpy_ld[@]}" --preprocess -o "$work/names.h" "$work/smr.i"
 "${compile[@]}" -c core/micropython/smr/smr.c -o "$work/smr.o"
 "$gcc" "${flags[@]}" -r -nostdlib -Wl,--gc-sections,-e,mpy_init,-z,noexecstack "$work/smr.o" "$library" -o "$work/module.o"
-# mpy_ld.py cannot place Rust's variable for the detected processor, which exists only on a host. It is put into the code, which is writable there.
+# On a host, libsmr.a has a variable (detected processor), which mpy_ld.py cannot place. It goes into the writable code.
 variables=$(readelf -SW "$work/module.o" | sed -n 's/.* \(\.bss\.[^ ]*\) .*/--set-section-flags \1=alloc,load,data,contents --rename-section \1=.rodata.variable/p')
 # shellcheck disable=SC2086 # one argument for each word
 "${gcc%gcc}objcopy" --strip-unneeded -R .eh_frame -R '.ARM.ex*' -R '.rel.ARM.ex*' -R '.init_array*' $variables "$work/module.o"

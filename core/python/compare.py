@@ -18,7 +18,7 @@ import time
 import cv2
 import smr
 
-# For each network of OpenCV: its path parameters, and the patterns of their files in the folder of `--models`.
+# For each network of OpenCV: the parameters that take its files, with patterns for the files' names in `--models`.
 NETWORKS = {
     "Vit": {"net": "*vit*.onnx"},
     "Nano": {"backbone": "*nano*backbone*.onnx", "neckhead": "*nano*head*.onnx"},
@@ -113,8 +113,8 @@ def measure(path, makers):
     if recording.truth is None or recording.start is None:
         raise ValueError(f"{path}: no ground truth beside it")
     frames = list(recording)
-    # OpenCV requires a start box in whole pixels, and smr rounds it. The score shifts and scales all boxes until the
-    # first equals the ground truth, so the first must be the box that the tracker got.
+    # Rounds the start box, as OpenCV requires and as smr does itself. The score shifts and scales all boxes until the
+    # first equals the ground truth, so the first must be the box that the tracker was given.
     start = tuple(math.floor(side + 0.5) for side in recording.start)
     for name, make in makers.items():
         boxes, milliseconds = run(make(), frames, start)

@@ -84,7 +84,7 @@ fn a_camera_updates_up_to_the_edge() {
     }
 }
 
-/// The runner-up is searched only if the gate's ratio is above 1, so its presence shows which ratio applied.
+/// The tracker searches the runner-up only if the gate's ratio is above 1, so a runner-up shows which gate applied.
 #[test]
 fn returning_takes_more_until_a_lost_target_is_found_again() {
     let mut tracker = locked(Config::paper(), (10, 30));
@@ -150,7 +150,7 @@ fn a_lead_of_many_pixels_is_enough_in_every_state() {
     }
 }
 
-/// With 20 pixels of padding on both sides, 320 pixels have 360 positions for a box 1 pixel wide, 359 for 2 pixels.
+/// A frame of width 320 with padding of 20 pixels on both sides has 360 offsets for a box of width 1, 359 for width 2.
 #[test]
 fn a_capacity_that_cannot_hold_the_window_is_refused_when_locking() {
     let pixels = vec![7; 320 * 240];
@@ -212,7 +212,7 @@ fn states(config: Config) -> Vec<(Rect, State)> {
 #[test]
 fn two_gray_levels_of_light_after_a_still_scene_do_not_move_the_box() {
     assert_eq!(states(Config::camera()), [(TARGET, State::Tracking); 2]);
-    // By the paper's rule alpha falls to one gray level, so after the change of light no pixel of the target matches.
+    // By the paper's rule the threshold alpha falls to one gray level, so no pixel matches after the light has changed.
     let paper = states(Config::paper());
     assert_eq!(paper[0], (TARGET, State::Tracking));
     assert_ne!(paper[1], (TARGET, State::Tracking));

@@ -36,7 +36,7 @@ void reset(void)
     _start();
 }
 
-/* Grows the heap, which the C library needs to open files, from the end of the data. (On the MPS3 semihosting reports a wrong heap.) */
+/* Grows the heap, which the C library needs to open files. The heap begins after the data, because semihosting on the MPS3 reports a wrong heap. */
 void *_sbrk(ptrdiff_t more)
 {
     static unsigned char *top = end;

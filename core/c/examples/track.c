@@ -44,7 +44,7 @@ static uint8_t noise(uint32_t seed, int x, int y)
     return (uint8_t)((n ^ (n >> 16)) & 255u);
 }
 
-/* Draws a dim, flickering background and, if it is in view, the bright target with its corner at (left, top). */
+/* Draws a dim, flickering background and, if `in_view`, the bright target with its top left corner at (left, top). */
 static void expose(uint32_t number, int in_view, int left, int top)
 {
     int x, y;
@@ -159,8 +159,8 @@ int main(int argc, char **argv)
                windows[1].width > 0 ? " and more" : "");
         near = abs((int)answer.bbox.x - left) <= 2 && abs((int)answer.bbox.y - top) <= 2;
         /* The tracker must find the target while it is in view, and must not be tracking in the last frame in which it is hidden. If the
-         * target reappears outside the search window, the robust tracker may need three frames to find it, because it
-         * searches one more window per frame; until then its state must not be SMR_TRACKING. */
+         * target reappears outside the search window, the robust tracker may need three frames to find it, because each
+         * update searches only one further window of the frame; until then its state must not be SMR_TRACKING. */
         sought = number >= HIDDEN_TO && number < HIDDEN_TO + 3 && windows[1].width > 0 && answer.state != SMR_TRACKING;
         wrong += (in_view && !near && !sought) || (number == HIDDEN_TO - 1 && answer.state == SMR_TRACKING);
     }

@@ -462,7 +462,7 @@ typedef int32_t smr_format;
 #endif // __cplusplus
 
 /**
- * The code of a tracker, opaque in C: its constructor and the sizes of its memory.
+ * One of the two trackers, opaque in C: its constructor and the sizes of its memory.
  */
 typedef struct smr_method smr_method;
 
@@ -655,7 +655,7 @@ typedef struct smr_robust_config {
  */
 typedef struct smr_config {
   /**
-   * The tracker's code; do not change it. A program links only the trackers whose presets it calls.
+   * Points to the chosen tracker's code; do not change it. A program links only trackers whose presets it calls.
    */
   const struct smr_method *method;
   /**
@@ -833,7 +833,7 @@ typedef struct smr_answer {
    */
   uint16_t ratio;
   /**
-   * The ratio of the runner-up, the best score away from the peak; 0 if there is none.
+   * The ratio of the runner-up, which is the best match away from the peak; 0 if there is no runner-up.
    */
   uint16_t runner_up_ratio;
   /**
@@ -919,7 +919,7 @@ typedef struct smr_readout {
 } smr_readout;
 
 /**
- * The recorder of a tracker: see #smr_record. Set `write` and `context`, and all other fields to 0.
+ * The recorder of a tracker: see #smr_record. Fill in `write` and `context`; set all other fields to 0.
  */
 typedef struct smr_recorder {
   /**
@@ -957,7 +957,7 @@ typedef struct smr_entry {
    */
   smr_entry_kind kind;
   /**
-   * The frame. Its parts are the windows that the tracker read.
+   * The frame of a lock or an update. Its parts are the windows that the tracker read.
    */
   struct smr_frame frame;
   /**
@@ -1052,7 +1052,7 @@ const char *smr_status_name(int32_t status);
 const char *smr_version(void);
 
 /**
- * Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
+ * Fills a configuration of the paper's tracker with values for cameras: they limit its time and memory.
  *
  * Unlike with #smr_config_paper, the window of a lost target grows by at most 20 pixels on each side, and all windows
  * fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the
@@ -1085,7 +1085,7 @@ smr_status smr_config_robust(struct smr_config *config);
 
 /**
  * Fills a configuration of the robust tracker with the refiner: a small learned network that fits the box to a target
- * that approaches, turns or changes its shape. It is the default of host-sim, Python and JavaScript.
+ * that approaches, turns or changes its shape. This preset is the default of host-sim, Python and JavaScript.
  *
  * #smr_init accepts it only in a library with the feature `refiner` (core/c/install.sh --refiner), and else returns
  * #SMR_ERROR_REFINER_NOT_BUILT_IN.
@@ -1125,7 +1125,7 @@ smr_status smr_setting_at(const struct smr_config *config,
                           struct smr_setting *setting);
 
 /**
- * Bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE, as the library was built.
+ * Bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE when the library was built.
  *
  * @param config  Filled by one of the calls smr_config_...
  * @return        Bytes; 0 if `config` is NULL or not filled. Can differ from the macro: see #SMR_PIXELS.
@@ -1133,7 +1133,7 @@ smr_status smr_setting_at(const struct smr_config *config,
 size_t smr_target_size(const struct smr_config *config);
 
 /**
- * Bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE, as the library was built.
+ * Bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE when the library was built.
  *
  * @param config  Filled by one of the calls smr_config_...
  * @return        As #smr_target_size.
@@ -1319,7 +1319,7 @@ smr_status smr_template(const struct smr_tracker *tracker,
                         struct smr_image *image);
 
 /**
- * Largest size of a saved target in bytes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE, as the library was built.
+ * Largest size of a saved target in bytes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE when the library was built.
  *
  * @param tracker  Made by #smr_init.
  * @param size     Is set to the number of bytes; unchanged after an error.
@@ -1440,8 +1440,8 @@ smr_status smr_readout_frame(const struct smr_readout *readout,
                              struct smr_frame *frame);
 
 /**
- * Starts a flight record of a tracker: `write` of the recorder gets every later lock, update, move and restored
- * target. `host-sim replay FILE` replays it and names the first difference. smr_core::record documents every byte.
+ * Starts a flight record of a tracker: passes each later lock, update, move and restored target to `write`. `host-sim
+ * replay FILE` replays the record and names the first difference. smr_core::record documents every byte.
  *
  * Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. If trackers share a
  * workspace, finish an update in steps before you call another one. `write` runs inside the recorded calls.

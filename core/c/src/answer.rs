@@ -38,7 +38,7 @@ pub struct smr_answer {
     /// The similarity of the box to the template. The paper's tracker: the similarity matching ratio, rounded down. The
     /// robust tracker: the fourth lowest ratio of the early template's 16 tiles.
     pub ratio: u16,
-    /// The ratio of the runner-up, the best score away from the peak; 0 if there is none.
+    /// The ratio of the runner-up, which is the best match away from the peak; 0 if there is no runner-up.
     pub runner_up_ratio: u16,
     /// Alpha, the threshold of this frame, rounded up to whole gray levels (1 to 256): a pixel matched if it differed
     /// from the template by less. 0 from the robust tracker, whose threshold varies over the target.

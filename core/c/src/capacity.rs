@@ -13,23 +13,23 @@ pub(crate) type PaperTarget = Paper<PIXELS, SPAN>;
 /// Alignment of storage and workspace in bytes: `SMR_ALIGNMENT` in the header.
 pub const ALIGNMENT: usize = 8;
 
-/// Bytes of the paper's tracker (`SMR_PAPER_TARGET_SIZE`): one per pixel, the fixed fields, and a small reserve.
+/// Bytes of the paper's tracker (`SMR_PAPER_TARGET_SIZE`): `PIXELS`, the fixed fields, and a small reserve.
 pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 10]>() + 112;
 
-/// Extra bytes of the table of similarities on 32-bit processors without DSP or SIMD, where it has entries for
-/// differences of both signs. The header always includes them, so that it fits every processor.
+/// Extra bytes of the table of similarities on 32-bit processors without DSP or SIMD: only there it also has entries
+/// for negative differences. The header's sizes always include these bytes, so that one header fits every processor.
 pub(crate) const SIGNED_DIFFERENCES: usize = 512;
 
-/// Bytes of the paper's tracker's workspace (`SMR_PAPER_WORKSPACE_SIZE`): one per pixel, five 32-bit words per offset,
-/// 22 pointer-sized words and 672 bytes for other fields, and `SIGNED_DIFFERENCES`.
+/// Bytes of the paper's tracker's workspace (`SMR_PAPER_WORKSPACE_SIZE`): `PIXELS`, five 32-bit words for each of
+/// `SPAN` offsets, 22 pointer-sized words and 672 bytes for other fields, and `SIGNED_DIFFERENCES`.
 pub const PAPER_WORKSPACE_SIZE: usize =
     PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 672 + SIGNED_DIFFERENCES;
 
 /// Largest size of a saved target of the paper's tracker, in bytes: `SMR_PAPER_SAVED_SIZE` in the header.
 pub const PAPER_SAVED_SIZE: usize = PIXELS + 94;
 
-/// Bytes that the refiner adds to a robust tracker. The header's size always includes them, so that one header fits
-/// libraries with and without it.
+/// Bytes that the refiner adds to a robust tracker. The size in the header always includes them, so that one header
+/// fits libraries with and without the refiner.
 pub(crate) const REFINER: usize = 1056;
 /// Bytes that the refiner adds to a saved target.
 const SAVED_REFINER: usize = 1044;

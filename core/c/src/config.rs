@@ -85,7 +85,7 @@ pub struct smr_robust_config {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_config {
-    /// The tracker's code; do not change it. A program links only the trackers whose presets it calls.
+    /// Points to the chosen tracker's code; do not change it. A program links only trackers whose presets it calls.
     pub method: *const smr_method,
     /// 0: the fastest code for the processor. Otherwise: a plain loop over single bytes, with the same answers, for
     /// frames in Device memory (external RAM that the MPU has not made Normal), where unaligned word loads fault.
@@ -96,7 +96,7 @@ pub struct smr_config {
     pub robust: smr_robust_config,
 }
 
-/// The code of a tracker, opaque in C: its constructor and the sizes of its memory.
+/// One of the two trackers, opaque in C: its constructor and the sizes of its memory.
 pub struct smr_method {
     pub(crate) is_paper: bool,
     pub(crate) target_size: usize,

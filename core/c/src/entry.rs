@@ -35,7 +35,7 @@ pub enum smr_entry_kind {
 pub struct smr_entry {
     /// The kind of this entry; it determines which fields are set.
     pub kind: smr_entry_kind,
-    /// The frame. Its parts are the windows that the tracker read.
+    /// The frame of a lock or an update. Its parts are the windows that the tracker read.
     pub frame: smr_frame,
     /// The box of a lock.
     pub bbox: smr_rect,

@@ -16,7 +16,7 @@ use core::ffi::c_void;
 use core::ptr;
 use smr_core::{Rect, Target};
 
-/// Bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE, as the library was built.
+/// Bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE when the library was built.
 ///
 /// @param config  Filled by one of the calls smr_config_...
 /// @return        Bytes; 0 if `config` is NULL or not filled. Can differ from the macro: see #SMR_PIXELS.
@@ -26,7 +26,7 @@ pub unsafe extern "C" fn smr_target_size(config: *const smr_config) -> usize {
     unsafe { deref(config) }.map_or(0, |(_, method)| method.target_size)
 }
 
-/// Bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE, as the library was built.
+/// Bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE when the library was built.
 ///
 /// @param config  Filled by one of the calls smr_config_...
 /// @return        As #smr_target_size.

@@ -25,7 +25,7 @@ use smr_core::{Frame, Rect, Robust, Target, calls};
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
 
-    /// A new target and workspace: constants of zeroes, which are written in place, without a copy on the stack.
+    /// A new target and workspace: constants of zeroes, so `make` writes them in place, without a copy on the stack.
     const EMPTY: Self;
     const EMPTY_WORKSPACE: Self::Workspace;
 
@@ -104,7 +104,7 @@ struct OwnTracker<T: Method> {
 struct Scratch<T: Method> {
     /// Equals [`Scratch::mark_of`] of the workspace's address, else the memory is no workspace of this type of tracker.
     mark: usize,
-    /// The address of the [`OwnTracker`] that used the workspace last, which alone may continue a call in steps.
+    /// The address of the [`OwnTracker`] that used the workspace last: only that one may continue a call in steps.
     owner: usize,
     workspace: T::Workspace,
 }
@@ -123,7 +123,7 @@ const _: () = assert!(
         && fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
 );
 
-/// True if the header's `size` holds a `T` and wastes at most 64 bytes. A build may leave `optional` bytes out of `T`.
+/// True if `size` bytes hold a `T` and at most 64 are spare, besides `optional` ones that a build may leave out of it.
 const fn fits<T>(size: usize, optional: usize) -> bool {
     let Some(spare) = size.checked_sub(size_of::<T>()) else { return false };
     let aligned = align_of::<T>() <= ALIGNMENT && size.is_multiple_of(ALIGNMENT);

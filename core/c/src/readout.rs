@@ -70,7 +70,7 @@ pub struct smr_readout {
 }
 
 impl smr_readout {
-    /// Reads the struct at `from` without `line`. Reads `next` only once, because an interrupt may change it.
+    /// Reads all fields of `from` except `line`, and `next` only once, because an interrupt may change it.
     ///
     /// # Safety
     /// A `from` that passes [`pointer::check`] points to an `smr_readout`.
@@ -79,13 +79,13 @@ impl smr_readout {
         // SAFETY: neither NULL nor misaligned; the rest as the caller ensures.
         unsafe {
             let next = (&raw const (*from).next).read_volatile();
-            // Pixels must be read after `next`, because only lines before `next` are complete.
+            // Pixels must be read later than `next`, because only lines with an index below `next` are complete.
             compiler_fence(Ordering::Acquire);
             Ok(Self { next, line: 0, ..*from })
         }
     }
 
-    /// After the pixels: writes `next` and, if `result` is an error about a line, that line's index to `line`.
+    /// Stores `next` after the pixels are written, and in `line` the index of the line that an error in `result` names.
     ///
     /// # Safety
     /// [`Self::read`] has checked `to`.
@@ -225,7 +225,7 @@ unsafe fn convert(
     let begun = unsafe { smr_readout::read(to)? };
     pointer::check_bytes(bytes, size, &[pointer::range(begun.pixels, begun.size), 0..0])?;
     let mut readout = begun.core_readout()?;
-    // Once the windows are complete, the tracker may be reading them, and no later line writes to them.
+    // Once the windows are complete, the tracker may be reading them, so later lines get no memory to write to.
     let room = if readout.is_complete() { 0 } else { begun.size };
     // SAFETY: as the caller ensures; the line is outside the windows' memory.
     let result = unsafe {

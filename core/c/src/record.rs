@@ -9,7 +9,7 @@ use core::ops::Range;
 use smr_core::record::Recorder;
 use smr_core::{Frame, Rect};
 
-/// The recorder of a tracker: see #smr_record. Set `write` and `context`, and all other fields to 0.
+/// The recorder of a tracker: see #smr_record. Fill in `write` and `context`; set all other fields to 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_recorder {
@@ -27,8 +27,8 @@ pub struct smr_recorder {
     pub tracker: *mut smr_tracker,
 }
 
-/// Starts a flight record of a tracker: `write` of the recorder gets every later lock, update, move and restored
-/// target. `host-sim replay FILE` replays it and names the first difference. smr_core::record documents every byte.
+/// Starts a flight record of a tracker: passes each later lock, update, move and restored target to `write`. `host-sim
+/// replay FILE` replays the record and names the first difference. smr_core::record documents every byte.
 ///
 /// Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. If trackers share a
 /// workspace, finish an update in steps before you call another one. `write` runs inside the recorded calls.

@@ -16,7 +16,7 @@ const CAMERA: paper::Config = {
     paper::Config::camera_within(if SPAN > 160 { 80 } else { (SPAN as u16 - 1) / 2 })
 };
 
-/// Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
+/// Fills a configuration of the paper's tracker with values for cameras: they limit its time and memory.
 ///
 /// Unlike with #smr_config_paper, the window of a lost target grows by at most 20 pixels on each side, and all windows
 /// fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the
@@ -59,7 +59,7 @@ pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_statu
 }
 
 /// Fills a configuration of the robust tracker with the refiner: a small learned network that fits the box to a target
-/// that approaches, turns or changes its shape. It is the default of host-sim, Python and JavaScript.
+/// that approaches, turns or changes its shape. This preset is the default of host-sim, Python and JavaScript.
 ///
 /// #smr_init accepts it only in a library with the feature `refiner` (core/c/install.sh --refiner), and else returns
 /// #SMR_ERROR_REFINER_NOT_BUILT_IN.

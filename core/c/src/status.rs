@@ -14,7 +14,7 @@ macro_rules! statuses {
             $($(#[doc = $text])+ $name = $number,)+
         }
 
-        /// Every status, its zero-terminated name and its text. A test writes the header's list from it.
+        /// All statuses with their zero-terminated names and texts. A test writes the header's list from this table.
         pub const STATUSES: &[(smr_status, &str, &str)] =
             &[$((smr_status::$name, concat!(stringify!($name), "\0"), concat!($($text, "\n"),+)),)+];
 

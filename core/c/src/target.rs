@@ -111,7 +111,7 @@ impl Known<'_> {
     }
 }
 
-/// Largest size of a saved target in bytes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE, as the library was built.
+/// Largest size of a saved target in bytes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE when the library was built.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param size     Is set to the number of bytes; unchanged after an error.

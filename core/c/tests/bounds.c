@@ -1,6 +1,6 @@
 /*
- * Checks that the library reads no byte before or after the given pixels. They begin or end at a page without access, so that
- * reading one byte too many ends the program. (Sanitizers do not see the library's reads.) POSIX only.
+ * Checks that the library reads no byte before or after the given pixels. The pixels border on a page without access,
+ * so that reading one byte too many ends the program. (Sanitizers do not see the library's reads.) POSIX only.
  */
 
 #define _DEFAULT_SOURCE

@@ -45,7 +45,7 @@ static void ok(smr_status status)
     must(status == SMR_OK, smr_status_name(status));
 }
 
-/* The first tracker's recorder: compares the bytes with those in the file. */
+/* The recorder's `write`: compares the bytes that a tracker records with those of the given flight record. */
 static int same(void *context, const uint8_t *bytes, size_t count)
 {
     (void)context;

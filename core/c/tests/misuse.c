@@ -528,7 +528,7 @@ static void capacities(void)
     EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_OK);
 }
 
-/* Lock and update refuse a frame whose pixels in memory lack one column or row of the lock's window or of the update's window. */
+/* A lock and an update refuse a frame if one column or row of the window that they read is not in memory. */
 static void windows(void)
 {
     smr_tracker *tracker = good_tracker();
@@ -730,7 +730,7 @@ static void saved(void)
     HOLD(second == written && memcmp(bytes, again, written) == 0);
 }
 
-/* A power failure while a new copy overwrites an old one: a mixture of the two is refused. */
+/* A power failure while a newer saved target overwrites an older one: a mixture of their bytes is refused. */
 static void power(void)
 {
     static uint8_t older[sizeof bytes], newer[sizeof bytes];

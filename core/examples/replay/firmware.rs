@@ -161,7 +161,7 @@ impl Run {
         Ok(())
     }
 
-    /// Replays the next entry, and after an update's window also its answer. Returns false at the end of the record.
+    /// Replays the next entry and, if an update begins there, also its answer. Returns false at the end of the record.
     fn entry<T: Replayed>(&mut self, tracker: &mut Tracker<T>, buffer: &mut [u8]) -> Result<bool, End> {
         let Some(entry) = self.read(buffer)? else { return Ok(false) };
         let found = first(entry).map_err(|_| End::Damaged)?;

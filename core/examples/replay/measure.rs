@@ -47,7 +47,7 @@ pub fn spin(instructions: u32) {
     }
 }
 
-/// The bytes of stack used since the start, when cortex-m-rt painted all of it, and the size of the stack.
+/// The bytes of stack used since cortex-m-rt painted the whole stack at the start, and the size of the stack in bytes.
 pub fn stack() -> (u32, u32) {
     unsafe extern "C" {
         static _stack_end: u32;

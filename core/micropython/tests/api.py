@@ -279,8 +279,8 @@ for frame in FRAMES:
 same(answers, 4 * alone, "trackers beside each other")
 del many, answers, list
 
-# The second tracker of a kind allocates no workspace, only its own memory (of the robust one 1048 bytes are for the refiner, which this module
-# lacks).
+# The second tracker of a kind allocates no workspace, only its own memory. (That of a robust tracker includes 1048
+# bytes for the refiner, which this module lacks.)
 for kind, most in zip(KINDS, (4500, 11700 + 1048)):
     gc.collect()
     before = gc.mem_alloc()

@@ -13,7 +13,7 @@ class Image(bytearray):
         return 240
 
     def find_template(self, template, threshold, step, search):
-        # The first call finds no template. Its frame is not counted in `left`, the frames until the script ends.
+        # The first call finds no template. Its frame does not reduce `left`, the count of frames until the end.
         global left
         left += not found
         found.append(template)

@@ -79,7 +79,7 @@ impl<'a> Pixels<'a> {
             let image = Image::with_stride(self.bytes, self.width, self.height, stride);
             return Ok(Frame::whole(image.map_err(refused)?));
         }
-        // If a window is empty or outside the frame, one pixel is enough: the core refuses it before it reads pixels.
+        // If a window is empty or outside the frame, one pixel is enough: the core refuses the call without reading it.
         let inside = |window: &Rect| self.bounds().contains(*window) && !window.is_empty();
         let [first, second] = windows.map(|window| window.filter(inside));
         let first = first.unwrap_or(Rect::new(0, 0, 1, 1));

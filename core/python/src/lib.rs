@@ -18,7 +18,7 @@ mod _smr {
     use pyo3::prelude::*;
     use smr_core::{paper, robust};
 
-    /// Documents the options, and loads numpy now: a Ctrl-C while the first array loads it would cause a panic.
+    /// Documents the options. Loads numpy now: if the first array loaded it, a Ctrl-C at that time would cause a panic.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.py().import("numpy")?;

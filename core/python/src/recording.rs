@@ -179,7 +179,7 @@ impl Recording {
 #[pyclass(frozen)]
 struct Decoded(Mutex<ProcessLocal<Sequence>>);
 
-/// Returns the next frame's rows, columns and colors, and its bytes; `None` after the last frame.
+/// Returns the next frame as `[rows, columns, bytes per pixel]` and its bytes; `None` after the last frame.
 fn next(sequence: &mut Sequence) -> anyhow::Result<Option<([usize; 3], Vec<u8>)>> {
     let Some(frame) = sequence.frames.next().transpose()? else {
         let ended = sequence.source.live().and_then(|live| live.ended());

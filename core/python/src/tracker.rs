@@ -232,7 +232,7 @@ pub fn follow<'py>(
     answers.iter().map(|one| answer::answer(py, one)).collect()
 }
 
-/// Updates targets on a thread per scratch memory. The threads end before this returns: a later fork would lose them.
+/// Updates targets, on one thread for each `scratch`. The threads end before the call returns: a fork would lose them.
 fn side_by_side(targets: Vec<&mut Target>, scratch: &mut [Scratch], pixels: &Pixels<'_>) -> PyResult<Vec<Answer>> {
     let mut answers: Vec<PyResult<Option<Answer>>> = targets.iter().map(|_| Ok(None)).collect();
     let queue = Mutex::new(targets.into_iter().zip(&mut answers));

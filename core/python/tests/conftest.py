@@ -61,7 +61,7 @@ def refuses(arguments, reason, **environment):
 
 def interrupted(wait, program, *arguments, before=""):
     """The exit code of `python -m PROGRAM`, and what it prints after `wait` and an interrupt."""
-    # Restores the handler of interrupts, because a job in the background and its child processes ignore them.
+    # Restores Python's handler of interrupts, because a background job and its child processes ignore interrupts.
     script = f"import runpy, signal, sys, itertools, smr\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n{before}\n"
     script += f"sys.argv = {[program, *arguments]}\nrunpy.run_module({program!r}, run_name='__main__')\n"
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:

@@ -1,4 +1,4 @@
-/* Restores a target that Python saved with the C library: restore FRAME SAVED NEW. Restores SAVED with the preset robust, and prints the names
+/* Restores, with the C library, a target that Python saved: restore FRAME SAVED NEW. Restores SAVED with the preset robust, and prints the names
  * of the status and of the setting that differs. Then locks on FRAME, 160x120 gray pixels, and writes the saved target to NEW. */
 #include <stdio.h>
 #include "smr.h"

@@ -62,7 +62,7 @@ def test_recordings_are_found_and_named(tmp_path, host_sim):
 @pytest.mark.parametrize("start", ["fork", "spawn"])
 def test_processes(start):
     expected = figures(smr.evaluate(RECORDINGS))
-    # Starts processes after this one has used its threads.
+    # Starts processes after this process has used threads, which a fork does not copy.
     context = multiprocessing.get_context(start)
     with warnings.catch_warnings(), concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as executor:
         warnings.simplefilter("ignore", DeprecationWarning)

@@ -45,7 +45,7 @@ def whole(parameters):
     """Rounds parameters to the integers of the weights file: per layer, biases and weights (output, input)."""
     integers = []
     for layer, (weights, biases) in zip(LAYERS, parameters):
-        # The axes (ky, kx, input) become one row for each output, which is the last axis in all layers.
+        # Makes a row of weights (ky, kx, input) for each output; outputs are the last axis in all layers.
         rows = np.array(whole_weights(weights, layer)).astype(np.int32).reshape(layer.row, layer.outputs).T
         biases = np.array(whole_biases(biases, layer)).astype(np.int32)
         integers.append((biases - crops.ZERO * rows.sum(1) if layer is LAYERS[0] else biases, rows))

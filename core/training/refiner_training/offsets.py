@@ -17,9 +17,9 @@ class Spread:
         return Spread(self.size * factor, self.aspect * factor, self.centre * factor)
 
 
-# The default spread, equal to or slightly larger than the spread of the tracker's own errors.
+# Default spread of the drawn errors: equal to that of the tracker's own errors, or slightly larger.
 WIDE = Spread(0.21, 0.15, 0.11)
-# The share of draws with a larger spread, and the factor of that spread.
+# Share of boxes that are drawn with a larger spread, and the factor by which it is larger.
 WIDER_SHARE, WIDER_FACTOR = 0.15, 1.6
 LIMIT = Spread(0.6, 0.35, 0.3)
 

@@ -5,7 +5,7 @@ Half of the pairs that begin in the first frame use the tracker's own box, if it
 
 from . import boxes, crops, offsets
 
-# Share of pairs that start at the first visible frame (as in tracking), and of pairs at any distance (else up to NEAR).
+# Shares of pairs: with the first visible frame (as in tracking); with frames at any distance (else up to NEAR).
 FIRST_SHARE, FAR_SHARE = 0.4, 0.6
 NEAR = 60
 TRACKED_SHARE = 0.5

@@ -68,12 +68,12 @@ def test_a_pasted_piece_fills_its_true_box():
         rows, columns = np.flatnonzero(seen.any(1)), np.flatnonzero(seen.any(0))
         truth = boxes.corrected(middle, boxes.correction(box, cutouts.UNIT))
         found = boxes.from_corners(columns[0], rows[0], columns[-1] + 1, rows[-1] + 1)
-        # The tolerance is large, because a mask has 64 pixels, and a sharp corner of a polygon may vanish.
+        # The tolerance is large, because a mask has 64x64 pixels, and a sharp corner of a polygon may vanish.
         assert found == pytest.approx(truth, abs=3.5)
 
 
 def test_the_content_of_a_piece_does_not_shift():
-    # Each gray level is its pixel's x, so the pasted crop of the piece's own box must equal the crop from the frame.
+    # Each gray level is its pixel's x, so a piece that is pasted at its own box must equal the crop from the frame.
     frame = np.tile(np.arange(80, dtype=np.uint8), (80, 1))
     box = np.array([40.0, 40, 20, 20])
     piece = cutouts.Piece(frame, box, np.full((64, 64), 255, np.uint8))

@@ -1,4 +1,4 @@
-/* Calls the functions that every program needs. .ci/release links it with a package's archive for each processor, without a C library. */
+/* Calls the functions that every program needs. For each processor, .ci/release links this file with a package's libsmr.a, without a C library. */
 #include "smr.h"
 
 static smr_robust_target storage;

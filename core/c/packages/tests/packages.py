@@ -58,7 +58,7 @@ def kconfig():
 
 os.chdir(f"{out}/SMRTracker")
 properties = dict(line.split("=", 1) for line in pathlib.Path("library.properties").read_text().splitlines())
-# Checks arduino-lint's rules for libraries in Arduino's index: properties that must be set, and their form.
+# Checks that the library keeps arduino-lint's rules for Arduino's index: all needed properties are set and well-formed.
 needed = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures", "includes"}
 assert all(properties.get(key, "").strip() for key in needed), needed - properties.keys()
 assert re.fullmatch(r"[A-Za-z][\w .-]{,62}", properties["name"]) and re.fullmatch(r"\d+\.\d+\.\d+", properties["version"])

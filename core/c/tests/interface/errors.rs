@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::path::Path;
 
-/// The line number and the setting's name in the texts of `errors`. `quoted` replaces them by placeholders.
+/// The line number and the setting's name that the texts of `errors` contain, until `quoted` puts placeholders there.
 const LINE: u16 = 54_321;
 const SETTING: &str = "early_rate";
 
@@ -44,7 +44,7 @@ fn errors() -> Vec<Error> {
     }
 }
 
-/// `(language or "" for all, errors that it cannot cause, reason)`. Users get the status's name instead of a text.
+/// `(language or "" for all, errors that cannot occur in it, reason)`. Then users get no text, only the status's name.
 const NEVER: &[(&str, &[&str], &str)] = &[
     ("JavaScript", &["ConfigError::RefinerNotBuiltIn"], "the module has the refiner"),
     ("JavaScript", READOUT, "a browser gives frames, not lines"),

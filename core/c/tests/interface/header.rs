@@ -50,7 +50,7 @@ fn compiles(compiler: &str, standard: &str, source: &str) -> (bool, String) {
     (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// If a header before smr.h leaves a packing on, types would have other sizes, so smr.h must not compile.
+/// If an earlier header leaves `#pragma pack` in force, types would have other sizes, so smr.h must not compile.
 #[test]
 fn a_packing_does_not_compile() {
     if !missing::has_c_compiler("a_packing_does_not_compile") {
@@ -75,7 +75,7 @@ fn a_packing_does_not_compile() {
     }
 }
 
-/// Converts `size`, the value of the header's `name` in this build, to 32 bits and a capacity of `pixels` and `span`.
+/// Converts `size`, the value of macro `name` in this build, to its value in a 32-bit build for `pixels` and `span`.
 fn on_32_bits(size: usize, name: &str, pixels: usize, span: usize) -> usize {
     let header = include_str!("../../include/smr.h");
     let definition = header.split_once(&format!("#define {name} ")).expect("the header defines it").1;

@@ -9,7 +9,7 @@ use rp2040_hal::pio::{
     Buffers, PIO, PIOBuilder, PinDir, Rx, SM0, ShiftDirection, StateMachine, Stopped, UninitStateMachine,
 };
 
-/// Width in pixels: QVGA, halved in both directions by the sensor.
+/// Width in pixels: the sensor halves its QVGA picture of 324x244 pixels in both directions.
 pub const WIDTH: u16 = 162;
 pub const HEIGHT: u16 = 122;
 pub const PIXELS: usize = WIDTH as usize * HEIGHT as usize;

@@ -25,7 +25,7 @@ use smr_core::{Frame, Image, Paper, Rect, Target, Tracker};
 pub static BOOT2: [u8; 256] = rp2040_boot2::BOOT_LOADER_GENERIC_03H;
 
 const CRYSTAL_HERTZ: u32 = 12_000_000;
-/// Divider of the PWM clock: 125 MHz / 40 counts to 62500 in 20 milliseconds.
+/// Divider of the PWM clock: at 125 MHz / 40 its counter reaches 62500 in 20 milliseconds.
 const PWM_DIVIDER: u8 = 40;
 const PWM_TOP: u16 = 62_499;
 
@@ -76,7 +76,7 @@ fn run() -> Option<Infallible> {
     let sio = Sio::new(chip.SIO);
     let pins = Pins::new(chip.IO_BANK0, chip.PADS_BANK0, sio.gpio_bank0, &mut chip.RESETS);
 
-    // The head: two servos on one PWM slice, and the Pico's own LED.
+    // The two servos of the head, on one PWM slice. (The LED is the Pico's own.)
     let mut slice = Slices::new(chip.PWM, &mut chip.RESETS).pwm2;
     slice.set_div_int(PWM_DIVIDER);
     slice.set_top(PWM_TOP);
@@ -123,7 +123,7 @@ fn run() -> Option<Infallible> {
     }
 }
 
-/// Returns the frame to update with; `None` without a target. While the button is pressed, locks on the middle instead.
+/// Returns the frame for an update; `None` without a target, or after a lock on the middle, if the button is pressed.
 fn frame_to_search<'a, T: Target>(tracker: &mut Tracker<T>, pixels: &'a [u8], pressed: bool) -> Option<Frame<'a>> {
     let frame = Frame::whole(Image::new(pixels, WIDTH, HEIGHT).ok()?);
     if pressed {

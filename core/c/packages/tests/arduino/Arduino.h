@@ -1,4 +1,4 @@
-/* Stands in for the Arduino core in .ci/release boards: the functions that the sketches call, and a main that calls loop() LOOPS times. */
+/* Stands in for the Arduino core in the test `.ci/release boards`: the functions that the sketches call, and a main that calls loop() LOOPS times. */
 #pragma once
 #include <stdint.h>
 #include <stdio.h>

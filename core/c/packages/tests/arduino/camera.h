@@ -23,7 +23,7 @@ public:
   {
     for (int y = 0; y < 240; y++) {
       for (int x = 0; x < 320; x++) {
-        // A gray pixel in RGB565: `level` is red, blue, and the upper five of green's six bits.
+        // A gray pixel in RGB565: red, blue, and the upper five of green's six bits are all `level`.
         int level = square_level(x, y, taken);
         int pixel = level << 11 | level << 6 | level;
         buffer.getBuffer()[(y * 320 + x) * 2] = static_cast<uint8_t>(pixel >> 8);

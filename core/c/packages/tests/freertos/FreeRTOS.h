@@ -1,3 +1,3 @@
-/* Stands in for FreeRTOS in .ci/release boards. */
+/* Stands in for FreeRTOS in the test `.ci/release boards`. */
 #pragma once
 #define pdMS_TO_TICKS(milliseconds) (milliseconds)

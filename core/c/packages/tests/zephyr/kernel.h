@@ -1,4 +1,4 @@
-/* Stands in for Zephyr's kernel in .ci/release boards. */
+/* Stands in for Zephyr's kernel in the test `.ci/release boards`. */
 #pragma once
 #include <stdio.h>
 #define printk printf

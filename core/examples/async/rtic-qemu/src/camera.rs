@@ -8,7 +8,7 @@ pub const FRAMES: u16 = 30;
 /// The target's box in frame 0.
 pub const START: smr_core::Rect = smr_core::Rect::new(20, 16, 16, 16);
 
-/// Draws a line of low-contrast tiles and a high-contrast target that moves 2 pixels per frame and hides in 12 frames.
+/// Draws low-contrast tiles, and a high-contrast target that moves 2 pixels per frame and is hidden in frames 10 to 21.
 pub fn line(frame: u16, y: u16) -> [u8; WIDTH as usize] {
     let (left, top) = (20 + 2 * (frame % 24), 16 + frame % 24);
     let hidden = (10..22).contains(&frame);

@@ -16,7 +16,7 @@ use smr_core::readout::{Format, Readout};
 type Target = smr_core::Paper<256, 25>;
 type Workspace = paper::Workspace<256, 25>;
 
-/// A request for the next window: its read-out and the pixel buffer. The task makes it, the interrupt fills it.
+/// The task's request for the next window: a read-out, and a pixel buffer that the interrupt fills.
 pub struct Order {
     readout: Readout,
     pixels: &'static mut [u8; PIXELS],
@@ -51,7 +51,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        /// The task's order while the interrupt fills it.
+        /// The task's request, while the interrupt fills its buffer.
         order: Option<Order>,
     }
 
@@ -100,7 +100,7 @@ mod app {
         let filled = context.shared.order.lock(|order| {
             let Order { readout, pixels } = order.as_mut()?;
             match readout.push_line(*y, &camera::line(*frame, *y), &mut pixels[..]) {
-                // An order that comes after the first line of its window waits for the next frame.
+                // A request made after the first line of its window has passed waits for the next frame.
                 Ok(()) | Err(ReadoutError::LineMissing(_)) => {}
                 Err(_) => fail("the read-out refuses a line"),
             }
@@ -115,7 +115,7 @@ mod app {
         *frame += u16::from(*y == 0);
     }
 
-    /// Updates the tracker with a complete window. The task owns the pixels until it orders the next window.
+    /// Updates the tracker with a complete window. The task owns the pixels until it requests the next window.
     #[task(priority = 1, shared = [order], local = [target, workspace, whole, updates, differ, instructions_a_cycle])]
     async fn update(mut context: update::Context, number: u16, Order { readout, pixels }: Order) {
         let update::LocalResources { target, workspace, whole, updates, differ, instructions_a_cycle, .. } =

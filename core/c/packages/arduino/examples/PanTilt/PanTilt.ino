@@ -22,7 +22,7 @@ static uint8_t noise(uint32_t seed, int x, int y)
   return (uint8_t)(n ^ (n >> 16));
 }
 
-// Draws the picture for the servos' angles: a wall, and a square that moves right and down.
+// Draws the picture that a camera on the head would see: a wall, and a square that moves right and down.
 static void look()
 {
   int wallX = (panAngle - 90) * PIXELS_PER_DEGREE + 1000, wallY = (tiltAngle - 90) * PIXELS_PER_DEGREE + 1000;
