@@ -1,4 +1,4 @@
-# On a board without a file system, mounts one that contains only smr.mpy. .ci/micropython prepends MODULE, its bytes.
+# Mounts a file system with the file smr.mpy alone, on a board without one. .ci/micropython prepends a line that sets MODULE to the file's bytes.
 import io
 import os
 import sys

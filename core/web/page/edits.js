@@ -73,7 +73,7 @@ export class Edits {
     this.#chosen = id;
   }
 
-  /** Marks a target as gone from a frame to its next box. */
+  /** Marks a target as absent, starting at frame `number` and until its next box. */
   lose(target, number) {
     this.lock(number, null, target);
   }

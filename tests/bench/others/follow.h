@@ -16,7 +16,7 @@ typedef struct place {
     int x, y;
 } place;
 
-/* A search window, perhaps cut off at the frame's edge. Its rows have no gaps; copying it is not measured. */
+/* A search window, cut off at the frame's edge. The benchmark copies the window's rows without gaps, and does not measure the copy. */
 typedef struct window {
     const uint8_t *pixels;
     int width, height;

@@ -32,7 +32,7 @@ const A_TICK: u64 = 100;
 #[derive(Debug, clap::Parser)]
 #[command(version, max_term_width = 120)]
 struct Qemu {
-    /// The QEMU machine: these are a Cortex-M3 (for Cortex-M0+ firmware), M4, M7, M55 and RV32IMAC, in this order
+    /// The QEMU machine; the possible values have, in order, a Cortex-M3 (for Cortex-M0+ firmware), M4, M7, M55 and RV32IMAC
     #[arg(long, default_value = "mps2-an386", overrides_with = "machine")]
     #[arg(value_parser = ["mps2-an385", "mps2-an386", "mps2-an500", "mps3-an547", "virt"])]
     machine: String,

@@ -22,8 +22,8 @@ impl Sums {
     }
 }
 
-/// Gradients of a cell, summed in each of five sectors (between the directions of 0 to 100 degrees) and in each
-/// mirrored sector: |y| in the low 16 bits and |x| in the high ones, at most 4,080 each.
+/// Sums of a cell's gradients: `[0]` in five sectors of 20 degrees, from 0 to 100 degrees, `[1]` in the sectors
+/// mirrored at the y axis. The low 16 bits sum |y|, the high ones |x|, each at most 4,080.
 pub(crate) struct Sectors(pub(crate) [[u32; 5]; 2]);
 
 impl Sectors {

@@ -104,8 +104,8 @@ impl fmt::Debug for Begin<'_> {
 }
 
 impl Begin<'_> {
-    /// The recorded configuration; `None` if it is no valid `C`, or if its table is neither the paper's nor that of
-    /// `rest`. `rest` also supplies the settings that a record lacks (no answer depends on them).
+    /// The recorded configuration; `None` if it is no valid `C`, or if its similarity table is neither the paper's nor
+    /// the one in `rest`. `rest` also supplies the settings that a record lacks (no answer depends on them).
     #[must_use]
     pub fn config<C: Settings>(&self, rest: &C) -> Option<C> {
         let mut numbers = self.numbers.as_chunks().0.iter().copied().map(u16::from_le_bytes);

@@ -32,7 +32,7 @@ pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
 /// Cells of the filter for each grid pixel of the target's side: 7/20. With cells of 4x4 pixels, it covers 1.4 sides.
 pub(super) const COVER: [u32; 2] = [7, 20];
-/// The smallest step of the target's grid: half a pixel, in units of 1/4096. So small targets are at most doubled.
+/// The smallest step of the target's grid, in units of 1/4096 pixel: half a pixel, which enlarges a target twofold.
 pub(super) const LEAST_STEP: u32 = 2048;
 
 /// The floor that is added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for

@@ -78,7 +78,7 @@ impl Method for ObservedTracker {
     }
 }
 
-/// Returns a *lost* report for a frame without the target; the box to draw is the target's first one, `start`.
+/// Returns a *lost* report for a frame before the target's first one; the box to draw is the target's first, `start`.
 pub(super) fn not_begun(start: Rect) -> (Report, Observation) {
     let report = Report { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
     (report, Observation { bbox: start.into(), search: None })

@@ -11,7 +11,8 @@ pub enum Decision {
     Lost,
 }
 
-/// Evidence of a frame, 0 to 1.5: the template's agreement, 0 to 1, plus the filter's response clamped to 0 to 1/2.
+/// Evidence of a frame, 0 to 1.5 in units of 1/65536: the template's agreement plus the filter's response, clamped to 0
+/// to 1/2.
 pub fn evidence(agreement: f64, response: f64) -> f64 {
     agreement + 65536.0 * (response / ONE).clamp(0.0, 0.5)
 }

@@ -49,7 +49,8 @@ static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
 #[repr(C, align(4))]
 #[allow(dead_code)] // the assembly reads it
 struct Memory {
-    /// Gradients of a row of pixels: `[pixel of a cell][kind][cell][byte]`. Kind 0: |y|, |x|. Kind 1: sector index, 0.
+    /// Gradients of a row: `[pixel of a cell][kind][cell][byte]`. Kind 0: bytes |y| and |x|. Kind 1: sector index and
+    /// zero.
     pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
     /// Sums `[sector][cell][|y|, |x|]`: first sectors 4 to 0 of gradients whose x and y differ in sign, then sectors 0
     /// to 4 of those with equal signs, so that two sectors next to each other vote for a common direction.

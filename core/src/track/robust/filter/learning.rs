@@ -374,7 +374,7 @@ mod tests {
         }
     }
 
-    /// Adds to `sums` the largest beta times a previous direction of the largest numbers.
+    /// Worst case: the largest beta, and a previous direction of the largest values, whose product is added to `sums`.
     #[test]
     fn a_direction_stays_a_code() {
         let (mut direction, mut filter) = (Coded::<2>::new(), Filter::<2>::new());

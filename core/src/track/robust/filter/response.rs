@@ -69,7 +69,7 @@ impl Responses {
         *self = Self { span, ..const { Self::new() } };
     }
 
-    /// Computes one piece of the responses of a filter with these weights, without penalty. True after the last piece.
+    /// Computes one piece of the filter's responses, without the penalty for distance. True after the last piece.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn compute(
