@@ -1,11 +1,11 @@
-//! Makes unaligned loads fault as on a Cortex-M0+, which QEMU emulates by a larger Arm processor that allows them.
+//! Makes unaligned accesses fault as on a Cortex-M0+; the larger Arm processor that QEMU emulates instead allows them.
 
 #![allow(unsafe_code)] // writes a register of the processor
 
 use cortex_m::peripheral::SCB;
 use smr_core::similarity::Backend;
 
-/// Makes unaligned word accesses fault, unless the best backend may use them.
+/// Makes unaligned word accesses fault if the best backend is SWAR. Other backends may use such accesses.
 pub fn require(processor: &SCB) {
     const UNALIGN_TRP: u32 = 1 << 3;
     if Backend::best() == Backend::Swar {

@@ -29,8 +29,8 @@ mod firmware {
     /// Three frames in flash in place of a camera, drawn at compile time. The target moves by a few pixels per frame.
     static FRAMES: [[u8; FRAME]; 3] = [draw(20, 16), draw(24, 15), draw(29, 17)];
 
-    /// A tracker for at most 256 template pixels and 17 offsets per axis (a window of -8..=8): few, because the work of
-    /// an update is offsets times pixels. The value contains all its memory, so it could also be a `static`.
+    /// A tracker for at most 256 template pixels and 17 offsets per axis (a window of -8..=8). Both are small, because
+    /// an update's work is offsets times pixels. The tracker contains all its memory, so it could also be a `static`.
     type Small = Tracker<Paper<256, 17>>;
 
     #[entry]

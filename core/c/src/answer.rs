@@ -26,24 +26,28 @@ pub enum smr_state {
 pub struct smr_answer {
     /// The target's box in whole pixels.
     pub bbox: smr_rect,
-    /// The target's box in units of 1/256 pixel; whole pixels from the paper's tracker.
+    /// The target's box in units of 1/256 pixel. The paper's tracker returns only multiples of 256, that is, whole
+    /// pixels.
     pub fine: smr_fine_rect,
     /// The reliability of the box: tracking, leaving, uncertain or lost.
     pub state: smr_state,
     /// The target's size relative to its size at the lock, in units of 1/65536; always 65536 from the paper's tracker.
     pub scale: u32,
-    /// The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running mean of
-    /// 2/3 agreement with the early template and 1/3 filter response.
+    /// The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: 2/3 of a running
+    /// mean of each frame's evidence, which is the agreement with the early template (0 to 1) plus the filter response
+    /// (clamped to 0 to 1/2).
     pub confidence: u16,
     /// The similarity of the box to the template. The paper's tracker: the similarity matching ratio, rounded down. The
-    /// robust tracker: the fourth lowest ratio of the early template's 16 tiles.
+    /// robust tracker: the fourth lowest of the similarity matching ratios of the early template's 16 tiles.
     pub ratio: u16,
-    /// The ratio of the runner-up, which is the best match away from the peak; 0 if there is no runner-up.
+    /// The ratio of the runner-up, which is the best match outside the neighbourhood of the best match (see
+    /// `neighbourhood` in #smr_paper_config); 0 if there is no runner-up.
     pub runner_up_ratio: u16,
     /// Alpha, the threshold of this frame, rounded up to whole gray levels (1 to 256): a pixel matched if it differed
     /// from the template by less. 0 from the robust tracker, whose threshold varies over the target.
     pub alpha: u16,
-    /// 1 if the tracker searched for the runner-up. 0 if no decision needed it (see `runner_up_always` in
+    /// 1 if the tracker searched for the runner-up; 0 if no decision needed the runner-up (see `runner_up_always` in
+    /// #smr_paper_config). Always 0 from the robust tracker.
     /// #smr_paper_config), and always from the robust tracker.
     pub has_runner_up: u8,
     /// 1 if the target was lost in the previous frame and is found in this one; else 0.

@@ -16,8 +16,9 @@ pub const ALIGNMENT: usize = 8;
 /// Bytes of the paper's tracker (`SMR_PAPER_TARGET_SIZE`): `PIXELS`, the fixed fields, and a small reserve.
 pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 10]>() + 112;
 
-/// Extra bytes of the table of similarities on 32-bit processors without DSP or SIMD: only there it also has entries
-/// for negative differences. The header's sizes always include these bytes, so that one header fits every processor.
+/// Extra bytes of the table of similarities on 32-bit processors without DSP or SIMD, for its entries for negative
+/// differences. On other processors the table has no such entries. The header's sizes always include these bytes, so
+/// that one header fits every processor.
 pub(crate) const SIGNED_DIFFERENCES: usize = 512;
 
 /// Bytes of the paper's tracker's workspace (`SMR_PAPER_WORKSPACE_SIZE`): `PIXELS`, five 32-bit words for each of
@@ -43,7 +44,7 @@ pub const ROBUST_WORKSPACE_SIZE: usize = 39856 + SIGNED_DIFFERENCES + size_of::<
 /// Largest size of a saved target of the robust tracker, in bytes: `SMR_ROBUST_SAVED_SIZE` in the header.
 pub const ROBUST_SAVED_SIZE: usize = 11306 + SAVED_REFINER;
 
-/// Targets whose quality is below this value are poor: `SMR_POOR_QUALITY` in the header.
+/// Quality below which a target is poor, in units of 1/65535 (0 to 65535): `SMR_POOR_QUALITY` in the header.
 const POOR_QUALITY: u16 = 1023;
 
 const _: () = assert!(PAPER_SAVED_SIZE == PaperTarget::SAVED_SIZE);
@@ -51,7 +52,7 @@ const _: () =
     assert!(ROBUST_SAVED_SIZE == Robust::SAVED_SIZE || ROBUST_SAVED_SIZE == Robust::SAVED_SIZE + SAVED_REFINER);
 const _: () = assert!(POOR_QUALITY == Quality::POOR_BELOW);
 
-/// Parses `text` at compile time; `None` gives `default`. Any text but a number above 0 is a compile error.
+/// Parses a number above 0 at compile time; any other text is a compile error. Returns `default` for `None`.
 #[allow(clippy::panic)] // evaluated by the compiler only
 const fn number(text: Option<&str>, default: usize) -> usize {
     let Some(text) = text else { return default };

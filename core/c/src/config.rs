@@ -85,10 +85,12 @@ pub struct smr_robust_config {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_config {
-    /// Points to the chosen tracker's code; do not change it. A program links only trackers whose presets it calls.
+    /// Points to the chosen tracker's code; do not change it. A program contains the code of a tracker only if it calls
+    /// one of the functions smr_config_... for that tracker.
     pub method: *const smr_method,
-    /// 0: the fastest code for the processor. Otherwise: a plain loop over single bytes, with the same answers, for
-    /// frames in Device memory (external RAM that the MPU has not made Normal), where unaligned word loads fault.
+    /// 0: the tracker uses the fastest code for the processor. Otherwise: it uses plain loops that load single bytes,
+    /// and gives the same answers. This is for frames in Device memory (external RAM that the MPU has not made Normal),
+    /// where unaligned word loads fault.
     pub plain_loop: u8,
     /// Settings of the paper's tracker; all 0 after #smr_config_robust and #smr_config_refined.
     pub paper: smr_paper_config,

@@ -47,7 +47,7 @@ pub struct smr_entry {
     pub answer: smr_answer,
     /// Address of a saved target inside the record.
     pub saved: *const u8,
-    /// Bytes of the saved target.
+    /// Size of the saved target in bytes.
     pub saved_size: usize,
     /// The tracker of #SMR_ENTRY_BEGIN: 1 for the robust one, 0 for the paper's.
     pub is_robust: u8,
@@ -57,7 +57,8 @@ pub struct smr_entry {
     pub robust: smr_robust_config,
 }
 
-/// Reads the next entry of a flight record in memory, so that a test of firmware can replay it and compare answers.
+/// Reads the next entry of a flight record in memory. With these entries, a test of firmware can replay the record and
+/// compare answers.
 ///
 /// @param record  The bytes of the record.
 /// @param size    The number of bytes.

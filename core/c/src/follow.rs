@@ -16,7 +16,8 @@ use core::ffi::c_void;
 use core::ptr;
 use smr_core::{Rect, Target};
 
-/// Bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE when the library was built.
+/// Bytes of a tracker's storage: the value that #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE had when the library
+/// was built.
 ///
 /// @param config  Filled by one of the calls smr_config_...
 /// @return        Bytes; 0 if `config` is NULL or not filled. Can differ from the macro: see #SMR_PIXELS.
@@ -26,7 +27,8 @@ pub unsafe extern "C" fn smr_target_size(config: *const smr_config) -> usize {
     unsafe { deref(config) }.map_or(0, |(_, method)| method.target_size)
 }
 
-/// Bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE when the library was built.
+/// Bytes of a tracker's workspace: the value that #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE had when the
+/// library was built.
 ///
 /// @param config  Filled by one of the calls smr_config_...
 /// @return        As #smr_target_size.
@@ -103,7 +105,7 @@ unsafe fn init(
     unsafe { (method.make)(storage, workspace, config) }
 }
 
-/// The window of a frame that #smr_lock reads for a box. Firmware need not read out other pixels.
+/// Computes the window in a frame that #smr_lock reads for a given box. Firmware need not read out other pixels.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param width    Width of the frame in pixels.
@@ -161,9 +163,10 @@ pub unsafe extern "C" fn smr_lock(
     })
 }
 
-/// Does one step of a lock, of bounded work, for programs with a deadline. Begins a lock, or continues it if `bbox` and
-/// the frame's size are unchanged. Call it while it returns #SMR_UNDER_WAY; the tracker has no target before the last
-/// step. A lock takes at most 11.2 million units of work (see #smr_update_step). The paper's tracker locks in one step.
+/// Does one bounded step of a lock, for programs with a deadline. Begins a lock, or continues the one under way if
+/// `bbox` and the frame's size are unchanged. Call it again while it returns #SMR_UNDER_WAY; the tracker has no target
+/// before the last step. A lock takes at most 11.2 million units of work (see #smr_update_step). The paper's tracker
+/// locks in one step.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param frame    As for #smr_lock. Its pixels are the same in every step.
@@ -211,9 +214,9 @@ pub unsafe extern "C" fn smr_update(
     })
 }
 
-/// Does one step of an update, of bounded work, for programs with a deadline. Begins an update, or continues the one
-/// under way. Call it while it returns #SMR_UNDER_WAY. The answer equals that of #smr_update, however small the steps.
-/// The update is cancelled by other calls that may change the tracker, and by other trackers that use its workspace.
+/// Does one bounded step of an update, for programs with a deadline. Begins an update, or continues the one under way.
+/// Call it again while it returns #SMR_UNDER_WAY. The answer equals that of #smr_update, however small the steps. Any
+/// other call that may change the tracker cancels the update; so does another tracker that uses the same workspace.
 ///
 /// The unit of work depends on the tracker:
 /// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
@@ -258,8 +261,8 @@ pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut 
 }
 
 /// Reports a turn of the camera since the last frame: what was at (x, y) is expected at (x + right, y + down). Moves
-/// the box and the search window, but keeps the box in or near the frame. Cancels an update under way. The paper's
-/// tracker rounds to whole pixels. Before the first lock the call does nothing.
+/// the box and the search window by this motion, but keeps the box in or near the frame. The paper's tracker rounds the
+/// motion to whole pixels. Cancels a lock or an update under way. Without a target, nothing moves.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param right    Motion to the right in units of 1/256 pixel.

@@ -81,7 +81,7 @@ pub struct smr_image {
 }
 
 impl smr_part {
-    /// The part of a frame that lies in the given window; `pixels` are its pixels, row by row without gaps.
+    /// The part of a frame in the given window. `pixels` points to the window's pixels, row by row without gaps.
     pub(crate) fn of(pixels: *const u8, Rect { x, y, width, height }: Rect) -> Self {
         let [x, y] = [x, y].map(|place| u16::try_from(place).unwrap_or(0));
         let stride = usize::from(width);

@@ -34,7 +34,7 @@
 #![allow(unsafe_code)]
 // Types have C names, such as `smr_rect`.
 #![allow(non_camel_case_types)]
-// The header states the requirements on pointers: under `@param`, and in its first comment (text in cbindgen.toml).
+// The header states the requirements on pointers under `@param`, and in its first comment, written in cbindgen.toml.
 #![allow(clippy::missing_safety_doc)]
 
 #[cfg(not(any(target_os = "none", target_family = "wasm")))]

@@ -25,7 +25,8 @@ use smr_core::{Frame, Rect, Robust, Target, calls};
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
 
-    /// A new target and workspace: constants of zeroes, so `make` writes them in place, without a copy on the stack.
+    /// Initial values of a tracker and its workspace: constants of zeroes, which `make` writes in place, without a copy
+    /// on the stack.
     const EMPTY: Self;
     const EMPTY_WORKSPACE: Self::Workspace;
 
@@ -102,9 +103,10 @@ struct OwnTracker<T: Method> {
 /// The contents of a workspace.
 #[repr(C)] // the mark comes first: a tracker of the other method that takes the memory overwrites it
 struct Scratch<T: Method> {
-    /// Equals [`Scratch::mark_of`] of the workspace's address, else the memory is no workspace of this type of tracker.
+    /// The value of [`Scratch::mark_of`] for the workspace's address. If the mark differs from it, the memory is not a
+    /// workspace for this type of tracker.
     mark: usize,
-    /// The address of the [`OwnTracker`] that used the workspace last: only that one may continue a call in steps.
+    /// Address of the [`OwnTracker`] that used the workspace last. Only this tracker may continue a call in steps.
     owner: usize,
     workspace: T::Workspace,
 }
@@ -123,7 +125,8 @@ const _: () = assert!(
         && fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
 );
 
-/// True if `size` bytes hold a `T` and at most 64 are spare, besides `optional` ones that a build may leave out of it.
+/// True if `size` is a multiple of `ALIGNMENT` that holds an aligned `T` with 0 to 64 bytes to spare. In a build whose
+/// `T` lacks fields of `optional` bytes, these bytes may be spare too.
 const fn fits<T>(size: usize, optional: usize) -> bool {
     let Some(spare) = size.checked_sub(size_of::<T>()) else { return false };
     let aligned = align_of::<T>() <= ALIGNMENT && size.is_multiple_of(ALIGNMENT);
@@ -229,7 +232,7 @@ impl<T: Method> Tracked for OwnTracker<T> {
     }
 
     fn cancel(&mut self) {
-        // If the workspace was overwritten, no call is under way.
+        // `parts` fails only if the workspace was overwritten. Then there is no call under way to cancel.
         if let Ok((_, workspace)) = self.parts() {
             calls::end::<T>(workspace);
         }

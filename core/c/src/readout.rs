@@ -65,12 +65,12 @@ pub struct smr_readout {
     pub windows: [smr_rect; 2],
     /// The gray pixels of the first window, then those of the second.
     pub pixels: *mut u8,
-    /// Bytes at `pixels`.
+    /// Size of the memory at `pixels`, in bytes.
     pub size: usize,
 }
 
 impl smr_readout {
-    /// Reads all fields of `from` except `line`, and `next` only once, because an interrupt may change it.
+    /// Copies `from`. An interrupt may change `next` and `line`: reads `next` only once; the copy's `line` is 0.
     ///
     /// # Safety
     /// A `from` that passes [`pointer::check`] points to an `smr_readout`.
@@ -85,7 +85,7 @@ impl smr_readout {
         }
     }
 
-    /// Stores `next` after the pixels are written, and in `line` the index of the line that an error in `result` names.
+    /// Stores `next` once the pixels are written. If `result` is an error of a line, stores the line's index in `line`.
     ///
     /// # Safety
     /// [`Self::read`] has checked `to`.
@@ -108,7 +108,7 @@ impl smr_readout {
         known.copied().ok_or(SMR_ERROR_FORMAT_UNKNOWN)
     }
 
-    /// Converts to the readout of `smr-core`. Does not touch the pixels, which another call may be writing.
+    /// Checks the fields and makes a `Readout` of them. Does not touch the pixels, which another call may be writing.
     fn core_readout(&self) -> Result<Readout, smr_status> {
         let ([first, second], format) = (self.windows.map(Rect::from), self.format()?);
         pointer::check_bytes(self.pixels, self.size, &[0..0, 0..0])?;

@@ -13,7 +13,8 @@ use smr_core::{Frame, Rect};
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_recorder {
-    /// Stores bytes in flash, a file or elsewhere: at most a row of pixels or 64 bytes per call. Returns 0 on success.
+    /// Stores bytes in flash, a file or elsewhere. A call passes one row of pixels, one saved target or at most 64
+    /// bytes. Returns 0 on success.
     pub write: Option<unsafe extern "C" fn(context: *mut c_void, bytes: *const u8, size: usize) -> c_int>,
     /// The first argument of `write`.
     pub context: *mut c_void,
@@ -28,7 +29,7 @@ pub struct smr_recorder {
 }
 
 /// Starts a flight record of a tracker: passes each later lock, update, move and restored target to `write`. `host-sim
-/// replay FILE` replays the record and names the first difference. smr_core::record documents every byte.
+/// replay FILE` replays the record and names the first difference from it. smr_core::record documents every byte.
 ///
 /// Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. If trackers share a
 /// workspace, finish an update in steps before you call another one. `write` runs inside the recorded calls.

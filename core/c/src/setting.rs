@@ -16,7 +16,7 @@ const CAMERA: paper::Config = {
     paper::Config::camera_within(if SPAN > 160 { 80 } else { (SPAN as u16 - 1) / 2 })
 };
 
-/// Fills a configuration of the paper's tracker with values for cameras: they limit its time and memory.
+/// Fills a configuration of the paper's tracker with values for cameras. They limit the tracker's time and memory.
 ///
 /// Unlike with #smr_config_paper, the window of a lost target grows by at most 20 pixels on each side, and all windows
 /// fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the
@@ -101,9 +101,9 @@ pub struct smr_setting {
     pub shape: u8,
     /// The number of values, 1 to 4.
     pub count: u8,
-    /// The lowest value; a denominator is also at least 1.
+    /// The lowest value that the setting may have; a denominator must also be at least 1.
     pub lowest: u16,
-    /// The highest value.
+    /// The highest value that the setting may have.
     pub highest: u16,
     /// The values in the configuration; unused entries are 0.
     pub values: [u16; 4],

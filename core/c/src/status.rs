@@ -55,11 +55,11 @@ statuses! {
     SMR_ERROR_FRAME_EMPTY = 12,
     /// The stride is smaller than the width.
     SMR_ERROR_STRIDE_TOO_SMALL = 13,
-    /// `size` ends before the last pixel of the last row.
+    /// `size` is less than (height - 1) * stride + width bytes.
     SMR_ERROR_FRAME_TOO_SHORT = 14,
     /// `size` is larger than any object can be (PTRDIFF_MAX).
     SMR_ERROR_MEMORY_TOO_LARGE = 15,
-    /// The pixels or the bytes lie in the tracker's own storage or workspace.
+    /// A call's pixels or bytes overlap the tracker's storage or workspace, or a line overlaps its readout's pixels.
     SMR_ERROR_OVERLAPS_TRACKER = 16,
     /// A part of the frame reaches beyond the frame's edge.
     SMR_ERROR_OUTSIDE_FRAME = 17,

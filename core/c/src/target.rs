@@ -11,8 +11,8 @@ use core::ffi::c_char;
 use core::ptr;
 use smr_core::{RestoreError, Target};
 
-/// Distinctness of the target from its surroundings at the lock. A flat target, an edge or a single pixel looks the
-/// same when shifted: the tracker follows it, but may slip along it without noticing.
+/// Quality of the target at the lock: its difference from shifted copies of itself. It is 0 for a flat target, an edge
+/// along an axis or a single pixel: the tracker follows such a target, but may slip along it without noticing.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; unchanged after an error.
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn smr_last(
     })
 }
 
-/// Copies the paper's tracker's current template, or the robust tracker's early template, which verifies the target.
+/// Copies the current template (paper's tracker) or the early template, which verifies the target (robust tracker).
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param pixels   Memory for the pixels, row by row without gaps, outside the tracker's own memory.
@@ -111,7 +111,8 @@ impl Known<'_> {
     }
 }
 
-/// Largest size of a saved target in bytes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE when the library was built.
+/// Largest size of this tracker's saved target in bytes. Equals #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE as it
+/// was when the library was built.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param size     Is set to the number of bytes; unchanged after an error.
@@ -127,7 +128,7 @@ pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut 
     })
 }
 
-/// Saves the target as bytes, with the settings, which #smr_restore compares. The bytes are the same on every platform.
+/// Saves the target and the tracker's settings as bytes, the same on every platform. #smr_restore needs equal settings.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param bytes    Memory outside the tracker's own; unchanged after an error.
@@ -157,7 +158,7 @@ pub unsafe extern "C" fn smr_save(
     })
 }
 
-/// Continues with a target that #smr_save wrote. Later answers are identical to those of the saved tracker.
+/// Continues with a target that #smr_save wrote. Given the same frames, answers equal those of the saving tracker.
 ///
 /// @param tracker  Made by #smr_init with the same configuration.
 /// @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
@@ -180,7 +181,7 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
     })
 }
 
-/// Names the tracker's first setting that differs from the saved one, if #smr_restore returns #SMR_ERROR_OTHER_CONFIG.
+/// Names the tracker's first setting whose saved value differs, after #smr_restore returned #SMR_ERROR_OTHER_CONFIG.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.

@@ -86,7 +86,7 @@ pub(crate) trait Tracked {
     fn response_map(&mut self, frame: &Frame<'_>) -> Result<ResponseMap, smr_status>;
 }
 
-/// Filter responses `[row][column]` at the offsets of the robust tracker's largest window.
+/// The robust tracker's filter responses: `[reach + y][reach + x]` for an offset of (x, y) cells, `reach` at most 8.
 #[cfg(feature = "unstable")]
 pub(crate) type ResponseMap = [[i32; 17]; 17];
 

@@ -1,5 +1,5 @@
-//! Internals of a tracker for the browser's page: the counted work and the robust tracker's response map. The header
-//! does not declare these calls, and they may change in any version.
+//! Calls for JavaScript (`core/web`) that `smr.h` does not declare and that may change in any version: internals of a
+//! tracker, a flight record in memory, and checks of the build.
 
 use crate::frame::smr_frame;
 use crate::pointer::Out;
@@ -9,15 +9,16 @@ use crate::tracker::{ResponseMap, smr_tracker, with_frame, write_result};
 use core::ffi::{c_int, c_void};
 
 /// Sets `work` to the work of the last update or lock in the workspace of `tracker`, in the units of `smr_update_step`.
-/// If trackers share the workspace, another one may have done that work.
+/// A tracker that shares the workspace may have done it; a later `smr_response_map` adds to it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_work(tracker: *const smr_tracker, work: *mut u32) -> smr_status {
     // SAFETY: as every call demands of its caller.
     status_of(unsafe { write_result(tracker, work, |tracker| tracker.work()) })
 }
 
-/// Sets `responses` to the robust tracker's filter responses for `frame`, as the next update would see them, in units
-/// of 1/16384. Only the first 2 * `reach` + 1 rows and columns are used. Cancels an update under way.
+/// Sets `responses[reach + y][reach + x]` to the robust tracker's filter response in `frame` at (x, y) cells from the
+/// middle of the next update's search window, in units of 1/16384, without the distance penalty. Entries with an index
+/// above 2 * `reach` are 0. Cancels an update under way.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_response_map(
     tracker: *mut smr_tracker,
@@ -43,7 +44,7 @@ pub struct Sink {
     used: usize,
 }
 
-/// Calls [`smr_record`] to record into memory, because JavaScript cannot pass a function of C for `write`.
+/// Calls [`smr_record`] with a `write` that stores into the memory of `sink`: JavaScript cannot pass a C function.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_record_to_memory(tracker: *mut smr_tracker, sink: *mut Sink) -> smr_status {
     // SAFETY: as every call demands of its caller.

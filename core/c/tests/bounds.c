@@ -83,7 +83,7 @@ static smr_frame frame_of(unsigned number, const smr_rect windows[2], int at_the
     return frame;
 }
 
-/* Follows a target through 11 frames. Returns the number of frames with two windows. */
+/* Locks, then updates with 11 frames. Returns the number of updates that ask for a second window. */
 static unsigned track(const smr_config *config, const smr_rect *target, int at_the_end)
 {
     static union {

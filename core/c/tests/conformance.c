@@ -82,7 +82,7 @@ static smr_frame whole_frame(const smr_frame *parts)
     return frame;
 }
 
-/* Updates in steps that are shorter than any update of the robust tracker. */
+/* Updates in steps. Fails if the robust tracker completes the update in one step. */
 static void update_in_steps(smr_tracker *tracker, const smr_frame *frame, int is_robust, smr_answer *answer)
 {
     smr_status status;

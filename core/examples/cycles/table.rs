@@ -1,9 +1,10 @@
-//! Measures a lock and updates of each tracker on host-sim's recording `tiles`, drawn here. All chips share this file.
+//! Measures a lock and updates of each tracker on host-sim's recording `tiles`, which the firmware draws itself. All
+//! chips' firmware includes this file.
 
 use crate::scene;
 use smr_core::{Frame, Paper, Rect, Robust, Target, paper, robust};
 
-/// Size of the pixel buffer, for the search window and a sweep window (where a lost target is searched for).
+/// Size in bytes of the buffer that holds the search window and the sweep window (where a lost target is searched for).
 const PIXELS: usize = 56 * 1024;
 const UPDATES: usize = scene::FRAMES as usize - 1;
 

@@ -7,7 +7,7 @@ use core::slice;
 use cortex_m::peripheral::MPU;
 use smr_core::unstable::check::{Areas, ROOM};
 
-/// Returns the areas for images; call it once. Two end where memory ends, the third starts where memory starts.
+/// Returns three areas for images, at the addresses of `edges`: two end and one starts there. Call this function once.
 pub fn take() -> Areas<'static> {
     let [end, other_end, start] = edges();
     // SAFETY: the board has writable memory there, and the linker script puts nothing there: the firmware is short.
@@ -15,7 +15,7 @@ pub fn take() -> Areas<'static> {
     Areas { end: room(end - ROOM), other_end: room(other_end - ROOM), start: room(start) }
 }
 
-/// Three addresses: two ends of the board's memory, and one start.
+/// Three addresses: the ends of two of the board's memories, and the start of one.
 #[cfg(target_arch = "arm")]
 fn edges() -> [usize; 3] {
     let peripherals = cortex_m::Peripherals::take().expect("they were not taken before");
@@ -32,7 +32,7 @@ fn edges() -> [usize; 3] {
     edges
 }
 
-/// Three addresses in the only memory of QEMU's machine `virt` (128 MB): only the first is an edge (the end).
+/// Three addresses for QEMU's machine `virt`. Its one memory (128 MB) ends at the first; the others lie inside.
 #[cfg(target_arch = "riscv32")]
 fn edges() -> [usize; 3] {
     const END: usize = 0x8800_0000;

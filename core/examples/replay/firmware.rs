@@ -13,7 +13,7 @@ const CALIBRATION: u32 = 2_000_000;
 const LINE: usize = 16;
 /// The value that stands for a missing number.
 const NONE: u32 = u32::MAX;
-/// Bytes of an entry with an answer.
+/// The size in bytes of an entry that contains an answer.
 const ANSWER: usize = AROUND + 30;
 
 /// The paper's tracker for the test vectors: small boxes and large windows.
@@ -46,7 +46,7 @@ impl Replayed for Smr {
 }
 
 impl Replayed for Robust {
-    /// Holds an entry with the two windows of a target of up to 48x48 pixels.
+    /// Holds a frame's entry, with search window and sweep window, for targets of up to 48x48 pixels.
     type Buffer = [u8; 48 * 1024];
     const BUFFER: Self::Buffer = [0; 48 * 1024];
 
@@ -63,7 +63,7 @@ enum End {
     Damaged,
     /// An entry exceeds the buffer.
     TooLarge,
-    /// The record is of another tracker, or the configuration is refused.
+    /// The record's tracker is unknown, or the tracker refuses the recorded configuration.
     Configuration,
     /// The lock's window differs from the recorded one, or the lock fails.
     Lock,
@@ -161,7 +161,8 @@ impl Run {
         Ok(())
     }
 
-    /// Replays the next entry and, if an update begins there, also its answer. Returns false at the end of the record.
+    /// Replays the next entry and, if it begins an update, also the entry with the update's answer. Returns false at
+    /// the end of the record.
     fn entry<T: Replayed>(&mut self, tracker: &mut Tracker<T>, buffer: &mut [u8]) -> Result<bool, End> {
         let Some(entry) = self.read(buffer)? else { return Ok(false) };
         let found = first(entry).map_err(|_| End::Damaged)?;
@@ -234,7 +235,7 @@ impl Run {
         Ok(self.record.read(self.at, entry).map(|()| &*entry))
     }
 
-    /// Writes the result: the stack used, or the reason `why` the replay stopped.
+    /// Writes the result: the bytes of stack and the ticks of the last lock, or the reason `why` the replay stopped.
     fn end(&mut self, why: Option<&End>) -> Result<(), End> {
         let Some(why) = why else {
             let (used, room) = stack();

@@ -31,7 +31,8 @@ impl Timer {
     }
 }
 
-/// The timer, which counts down from 2^24. `smr-qemu --cycles` finds calls by this function's name in QEMU's trace.
+/// Returns the timer's value, which counts down from 2^24 - 1 to 0 and starts again. `smr-qemu --cycles` finds the
+/// calls of this function in QEMU's trace by its name.
 // SAFETY: no other function has this name.
 #[unsafe(no_mangle)]
 #[inline(never)]

@@ -22,7 +22,7 @@ impl Timer {
         Self(())
     }
 
-    /// Runs `work`, which must take less than 2^32 instructions; returns its result and instructions.
+    /// Runs `work`, which must take less than 2^32 instructions; returns its result and the number of its instructions.
     pub fn measure<T>(&mut self, work: impl FnOnce() -> T) -> (T, u32) {
         let start = instructions();
         compiler_fence(Ordering::SeqCst);
@@ -58,7 +58,7 @@ pub fn paint_stack() {
     }
 }
 
-/// The bytes of stack used, including those in use before [`paint_stack`], and the size of the stack.
+/// Returns the most bytes of stack used so far (those at [`paint_stack`] included) and the stack's size in bytes.
 pub fn stack() -> (u32, u32) {
     let (lowest, end) = (addr_of!(__estack), addr_of!(_stack_start));
     let mut at = lowest;

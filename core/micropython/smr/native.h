@@ -3,7 +3,7 @@
 #include <stdarg.h>
 #include "py/dynruntime.h"
 
-// Qualifier of constant tables in functions: not static, because they hold names and types known only after loading.
+// Qualifier of constant tables in functions. They cannot be static: their names and types are known only after loading.
 #define TABLE const
 
 bool mp_obj_equal(mp_obj_t one, mp_obj_t other) {

@@ -56,7 +56,7 @@ extern const mp_obj_type_t smr_type_paper, smr_type_robust;
 
 #include "words.h"
 
-// Raises an exception unless the status is SMR_OK. `line` is the line of the frame that the status is about, if any.
+// Raises an exception unless `status` is SMR_OK. If the status is about one line of the frame, `line` is that line.
 static void check_line(smr_status status, uint16_t line) {
     if (status == SMR_OK) {
         return;
@@ -65,7 +65,8 @@ static void check_line(smr_status status, uint16_t line) {
     if (text == NULL) {
         mp_raise_msg_varg(&mp_type_RuntimeError, MP_ERROR_TEXT("%s"), smr_status_name(status));
     }
-    // Only this text and that of `restore` are formatted, because MicroPython 1.29's format buffer is a byte too short for the longest text.
+    // Formats only two of the texts from `words`, this one and that in `restore`: MicroPython 1.29's format buffer is a
+    // byte too short for the longest of them.
     if (status == SMR_ERROR_LINE_TOO_SHORT) {
         mp_raise_msg_varg(&mp_type_ValueError, text, (int)line);
     }
@@ -78,7 +79,7 @@ static void check_line(smr_status status, uint16_t line) {
 
 // Converts the argument `name` to an integer of `least` to `most`, or raises an exception.
 static mp_int_t number(mp_obj_t value, mp_int_t least, mp_int_t most, const char *name) {
-    // An int that is an object is larger than LARGEST.
+    // Every int that is a heap object counts as out of range: small ints hold all values up to `LARGEST`.
     const bool is_large = mp_obj_is_exact_type(value, &mp_type_int);
     if (!is_large && !mp_obj_is_small_int(value) && value != mp_const_true && value != mp_const_false) {
         mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%s must be a whole number"), name);
@@ -437,7 +438,7 @@ static void add_type(mp_obj_full_type_t *type, qstr name, mp_obj_t methods) {
     mp_store_global(name, MP_OBJ_FROM_PTR(type));
 }
 
-// Entry point of the native module. An import without an entry in sys.modules loads the file again, with new variables.
+// Entry point of the native module. If sys.modules lacks smr, an import loads the file again, with new variables.
 mp_obj_t mpy_init(mp_obj_fun_bc_t *self, size_t n_args, size_t n_kw, mp_obj_t *args) {
     MP_DYNRUNTIME_INIT_ENTRY
     const mp_obj_t methods = mp_obj_new_dict(0);
@@ -466,8 +467,8 @@ MP_DEFINE_CONST_OBJ_TYPE(smr_type_robust, MP_QSTR_Robust, MP_TYPE_FLAG_NONE, mak
 
 extern const mp_obj_module_t smr_module;
 
-// Called by every import without an entry in sys.modules. A soft reset clears sys.modules and the heap, so the shared memory must be new. After
-// `del sys.modules['smr']` the old trackers keep their own workspace.
+// Called by every import that does not find smr in sys.modules. A soft reset clears sys.modules and the heap, so the
+// shared memory must be allocated anew. After `del sys.modules['smr']` the old trackers keep their own workspace.
 static mp_obj_t init(void) {
     MP_STATE_VM(smr_shared) = m_new0(shared_t, 1);
     mp_obj_dict_store(MP_OBJ_FROM_PTR(&MP_STATE_VM(mp_loaded_modules_dict)), MP_OBJ_NEW_QSTR(MP_QSTR_smr), MP_OBJ_FROM_PTR(&smr_module));

@@ -1,4 +1,5 @@
-# Mounts a file system with the file smr.mpy alone, on a board without one. .ci/micropython prepends a line that sets MODULE to the file's bytes.
+# On a board without a file system, mounts one that holds only the file smr.mpy. .ci/micropython prepends a line that
+# sets MODULE to the file's bytes.
 import io
 import os
 import sys

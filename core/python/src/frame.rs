@@ -18,7 +18,7 @@ pub struct Pixels<'a> {
     first: isize,
     row: isize,
     column: isize,
-    /// Bytes from blue to green and from green to red; `None` if the pixels are gray.
+    /// Distance in bytes from blue to green and from green to red; `None` if the pixels are gray.
     color: Option<isize>,
     width: u16,
     height: u16,
@@ -62,7 +62,7 @@ impl<'a> Pixels<'a> {
         Rect::new(0, 0, self.width, self.height)
     }
 
-    /// The frame with only one pixel in memory, of any value: enough to check the arguments of a call.
+    /// Returns a frame of the array's size of which only pixel (0, 0) is in memory: enough to check a call's arguments.
     pub fn corner(&self) -> PyResult<Frame<'static>> {
         let pixel = Image::new(&[0], 1, 1).map_err(refused)?;
         Frame::part(pixel, 0, 0, self.width, self.height).map_err(refused)

@@ -29,7 +29,8 @@ fn four(of: BoundingBox) -> Four {
     (of.x, of.y, of.width, of.height)
 }
 
-/// A value with threads or a child process. A fork does not copy them, so a forked process neither uses nor drops it.
+/// A value that owns threads or a child process. A fork does not copy these, so a forked process neither uses nor drops
+/// the value.
 struct ProcessLocal<T>(u32, ManuallyDrop<T>);
 
 impl<T> ProcessLocal<T> {
@@ -229,8 +230,8 @@ fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }
 
-/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as a dict of columns. See
-/// `smr.evaluate`, which takes many recordings, for `starts`.
+/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as a dict of columns.
+/// `starts` has the meaning and values that `smr.evaluate`, which takes many recordings, documents.
 #[pyfunction]
 pub fn measure<'py>(
     py: Python<'py>,

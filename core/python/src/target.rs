@@ -90,7 +90,7 @@ impl Target {
     pub fn check(&self, pixels: &Pixels<'_>) -> PyResult<()> {
         let frame = pixels.corner()?;
         match each!(self, of => calls::check(&**of, &frame)) {
-            // The core checks the window last, so every other check has passed.
+            // `frame` has only one pixel in memory. The core checks the window last: every other check has passed.
             Err(UpdateError::WindowNotInMemory) => Ok(()),
             checked => checked.map_err(not_updated),
         }

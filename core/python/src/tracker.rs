@@ -54,7 +54,7 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<BoundingBox> {
 }
 
 impl Tracker {
-    /// Creates a tracker with one of two presets (the first by default) and the options.
+    /// Creates a tracker from the preset called `name` (by default the first of `presets`), changed by `options`.
     fn new<C: Settings>(
         presets: [(&'static str, C); 2],
         name: Option<&Bound<'_, PyAny>>,
@@ -120,7 +120,8 @@ impl Tracker {
         last.map(|last| answer::answer(py, &last)).transpose()
     }
 
-    /// Distinctness of the target from its surroundings at `init`: 0 (may slip unnoticed) to 1. None without a target.
+    /// Distinctness of the target from its surroundings at `init`, from 0 (the box may slip along the target unnoticed)
+    /// to 1. None without a target.
     #[getter]
     fn quality(&self) -> PyResult<Option<f64>> {
         let quality = each!(&*self.target()?, of => of.quality());
@@ -132,7 +133,8 @@ impl Tracker {
         each!(&*self.target()?, of => of.window()).map(|window| answer::to_box(py, window)).transpose()
     }
 
-    /// The second part that the next update reads, to search for a lost target, in whole pixels; or None.
+    /// The second part of the frame that the next update reads, to search for a lost target, in whole pixels; None if
+    /// there is no such part.
     fn sweep_window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::to_box(py, window)).transpose()
     }
@@ -158,7 +160,8 @@ impl Tracker {
         Ok(PyBytes::new(py, &saved))
     }
 
-    /// Continues with a saved target. It must be saved with equal options; the error names the first that differs.
+    /// Continues with a saved target. It must have been saved with equal options; if not, the error names the first
+    /// option that differs.
     fn restore(&self, saved: &[u8]) -> PyResult<()> {
         each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused).inspect(|()| self.keep(None))
     }
@@ -214,7 +217,8 @@ impl Robust {
     }
 }
 
-/// Updates all trackers of a `Group` on at most `threads` threads, or no tracker if any cannot follow or is in use.
+/// Updates all trackers of a `Group` on at most `threads` threads. Updates none if another thread is using one of them
+/// or if one would refuse the frame.
 #[pyfunction]
 pub fn follow<'py>(
     trackers: Vec<Bound<'py, Tracker>>,
@@ -232,7 +236,8 @@ pub fn follow<'py>(
     answers.iter().map(|one| answer::answer(py, one)).collect()
 }
 
-/// Updates targets, on one thread for each `scratch`. The threads end before the call returns: a fork would lose them.
+/// Updates `targets` on one thread per element of `scratch`: the calling thread and new ones. The new threads end
+/// before the call returns, because a fork would lose threads that wait for the next call.
 fn side_by_side(targets: Vec<&mut Target>, scratch: &mut [Scratch], pixels: &Pixels<'_>) -> PyResult<Vec<Answer>> {
     let mut answers: Vec<PyResult<Option<Answer>>> = targets.iter().map(|_| Ok(None)).collect();
     let queue = Mutex::new(targets.into_iter().zip(&mut answers));
@@ -245,7 +250,7 @@ fn side_by_side(targets: Vec<&mut Target>, scratch: &mut [Scratch], pixels: &Pix
     let [own, others @ ..] = scratch else { return Ok(Vec::new()) };
     thread::scope(|scope| {
         for scratch in others {
-            // If a thread cannot be started, the other threads update its targets.
+            // If a thread cannot be started, the running threads (at least the calling one) update all targets.
             let _ = thread::Builder::new().spawn_scoped(scope, || work(scratch));
         }
         work(own);

@@ -1,5 +1,6 @@
 /* Restores, with the C library, a target that Python saved: restore FRAME SAVED NEW. Restores SAVED with the preset robust, and prints the names
- * of the status and of the setting that differs. Then locks on FRAME, 160x120 gray pixels, and writes the saved target to NEW. */
+ * of the resulting status and of the first setting that differs ("-" if none does). Then locks on a box in FRAME,
+ * 160x120 gray pixels, and writes that target to NEW. */
 #include <stdio.h>
 #include "smr.h"
 

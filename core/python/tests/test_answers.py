@@ -183,7 +183,7 @@ def test_a_target_goes_on_in_c_and_back(tmp_path):
         files = [tmp_path / name for name in ("frame", "saved", "new")]
         said = subprocess.run([program, *files], check=True, capture_output=True, text=True).stdout
         assert said.strip() == words
-    # host-sim saves the same bytes for this frame and box.
+    # Python saves the same bytes for this frame and box as the C program.
     tracker = smr.Robust("robust")
     tracker.init(frame, (40, 30, 40, 40))
     saved = (tmp_path / "new").read_bytes()

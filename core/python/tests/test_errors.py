@@ -220,7 +220,7 @@ def test_from_several_threads_all_members_of_a_group_follow_or_none(synthetic):
             thread.join()
     assert refused and all("in use by another thread" in words for words in refused)
     assert [len({member.save() for member in members[kind::2]}) for kind in (0, 1)] == [1, 1]
-    # Also while another thread updates one tracker of the group, the group updates all of its trackers or none.
+    # Even while another thread updates one tracker of the group, the group updates all of its trackers or none.
     single = threading.Thread(target=lambda: [members[1].follow(frame) for frame in frames[25:75]])
     single.start()
     while single.is_alive():

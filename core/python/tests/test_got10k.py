@@ -38,7 +38,7 @@ def test_result_files_have_the_boxes_of_host_sim(tmp_path, monkeypatch, host_sim
     results = (tmp_path / "GOT-10k/smr/synthetic/synthetic_001.txt").read_text().splitlines()
     expected = []
     for line in host_sim("track", str(sequence), "--method", *method, "--format", "vot").splitlines():
-        # A line with 0 is a lost target, for which the toolkit gets the last visible box.
+        # The line "0" is a lost target, for which the toolkit gets the box where the target was seen last.
         expected.append(expected[-1] if line == "0" else ",".join(f"{float(number):.3f}" for number in line.split(",")))
     assert len(results) == FRAMES
     assert results == expected

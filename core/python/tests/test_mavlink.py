@@ -248,7 +248,7 @@ def test_what_is_asked_of_all_is_asked_of_the_camera(world):
         assert one.ask(TRACK, *parts(RECORDING.start), to=to) == ACCEPTED
         assert one.ask(REQUEST, 259, to=to) == ACCEPTED and one.after[0].get_type() == "CAMERA_INFORMATION"
         assert one.ask(TRACK, 0.2, 0.1, 0.1, 0.2, to=to) == DENIED
-        # The camera does not answer an unknown command for all components, because another component may know it.
+        # The camera does not answer an unknown command to all systems or all components: another component may know it.
         assert one.ask(mavlink.MAV_CMD_IMAGE_START_CAPTURE, to=to) is None
         assert one.ask(STOP, to=to) == ACCEPTED
 
@@ -313,7 +313,7 @@ def test_without_frames_it_answers_and_has_no_place(world, capsys):
         heard(lambda message: message.get_type() == "HEARTBEAT")
     one.link.mav.command_long_send(*OWN, REQUEST, 0, 259, 0, 0, 0, 0, 0, 0)
     heard(lambda message: message.get_type() == "CAMERA_INFORMATION")
-    # A target that is selected while no new frames arrive also has the status ERROR.
+    # The status is also ERROR after a target is selected while no new frames arrive.
     one.link.mav.command_long_send(*OWN, TRACK, 0, *parts(RECORDING.start), 0, 0, 0)
     heard(lambda message: message.get_type() == "COMMAND_ACK" and message.command == TRACK)
     assert heard(lambda message: message.get_type() == STATUS).tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ERROR

@@ -48,14 +48,14 @@ def test_examples_run(monkeypatch, tmp_path, synthetic):
         video.write(color)
     video.release()
     monkeypatch.chdir(tmp_path)
-    # Stands for a box that a person draws.
+    # `selectROI` returns the target's box, in place of one that a person draws.
     monkeypatch.setattr(cv2, "selectROI", lambda frame: tuple(map(int, box)), raising=False)
     names = {}
     assert len(BLOCKS) == 4
     for block in BLOCKS:
         exec(block, names)
         if names["frame"] is None:
-            # After the video's end the next example continues with its last frame.
+            # A block that reads the video to its end leaves `frame` None: the next block gets the last frame.
             assert names["ok"] and smr.Recording("synthetic").truth[39][0] == pytest.approx(names["box"].x, abs=3)
             names["frame"] = colors[-1]
     assert names["table"]["tracker"] == ["robust", "paper"] and names["table"]["f"][0] > 0.9

@@ -53,7 +53,7 @@ impl<'a> Part<'a> {
     #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     fn patch(&self, rect: Rect) -> Option<Image<'a>> {
-        // A coordinate that wraps is far beyond the right or lower edge, so `crop` refuses it.
+        // A difference that wraps is large and positive, beyond the image's right or lower edge: `crop` refuses it.
         let (x, y) = (rect.x.wrapping_sub(self.x.into()), rect.y.wrapping_sub(self.y.into()));
         self.image.crop(Rect { x, y, ..rect })
     }

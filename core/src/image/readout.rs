@@ -110,7 +110,8 @@ impl Format {
         if matches!(self, Self::Bayer8) { 2 } else { 1 }
     }
 
-    /// (first, end) of the sensor lines of `window`. Both fit in a `u16`, because the window is inside the frame.
+    /// The first sensor line of `window`, and the line after its last. Both fit in a `u16`, because the window is
+    /// inside the frame.
     fn lines_of(self, window: Rect) -> (u16, u16) {
         let top = u16::try_from(window.y).unwrap_or(u16::MAX);
         let lines = self.lines_a_row();
@@ -385,7 +386,7 @@ mod tests {
         use ReadoutError::{BufferTooSmall, LineMissing, LineOutOfOrder, LineOutsideFrame, LineTooShort};
         let (mut readout, mut pixels, line) = (readout(), [0; 12], [7; 8]);
         assert_eq!(readout.frame(&pixels).err(), Some(LineMissing(1)));
-        // Line 0 is in no window. Lines below the window may be skipped, and need no buffer.
+        // The window has lines 1 to 3. Lines outside it may be skipped. Lines below it need no buffer (`room` 0).
         for (y, bytes, room, result, missing) in [
             (2, 8, 12, Err(LineMissing(1)), Some(1)),
             (1, 8, 11, Err(BufferTooSmall), Some(1)),

@@ -117,7 +117,7 @@ impl FineRect {
 }
 
 impl From<Rect> for FineRect {
-    /// Saturates if a coordinate exceeds +-2^23 pixels.
+    /// Converts pixels to units of 1/256 pixel. `x` and `y` saturate at the limits of an `i32`, about +-2^23 pixels.
     fn from(rect: Rect) -> Self {
         Self {
             x: rect.x.saturating_mul(256),

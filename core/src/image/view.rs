@@ -57,7 +57,8 @@ impl<'a> Image<'a> {
             return Err(ImageError::SliceTooShort);
         };
         match last_row.checked_add(width as usize) {
-            // The stride of a single row is never used. It is replaced, so that later arithmetic cannot overflow.
+            // If the image has a single row, its stride is never used. The width replaces it, so that later arithmetic
+            // cannot overflow.
             Some(needed) if needed <= pixels.len() && height == 1 => {
                 Ok(Self { pixels, width, height, stride: width as usize })
             }
@@ -105,7 +106,8 @@ impl<'a> Image<'a> {
         (self.pixels, self.stride)
     }
 
-    /// The pixels inside `rect`, in coordinates of the image; `None` if `rect` is empty or reaches outside.
+    /// A view of the pixels inside `rect`, which is given in coordinates of this image. `None` if `rect` is empty or
+    /// reaches outside the image.
     #[must_use]
     #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
@@ -135,8 +137,8 @@ impl<'a> Image<'a> {
         Some(Self { height, ..*self })
     }
 
-    /// An image of `height` equal rows, each the first `width` pixels of `row`; `None` if `row` is shorter. The stride
-    /// is 0, so [`Image::rows`] does not work.
+    /// An image of `height` equal rows, each the first `width` pixels of `row`; `None` if `row` has fewer than `width`
+    /// pixels. The stride is 0, which [`Image::rows`] does not support.
     #[cfg(not(smr_swar))]
     pub(crate) fn repeated(row: &'a [u8], width: u16, height: u16) -> Option<Self> {
         (row.len() >= width.into()).then_some(Self { pixels: row, width, height, stride: 0 })

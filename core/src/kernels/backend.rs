@@ -12,7 +12,7 @@ macro_rules! by_backend {
     ($backend:expr, $set:ident => $call:expr, else $other:expr) => {
         by_backend!(@ $backend, Backend, $set => $call; _ => $other)
     };
-    // Matches an enum with a variant for each compiled backend; a variant holds `$kernels`.
+    // Matches an enum with a variant for each compiled backend, and binds `$kernels` to the content of the variant.
     ($ready:expr, $type:ident($kernels:ident) => $call:expr) => {
         by_backend!(@ $ready, $type($kernels), set => $call; $type::Scalar($kernels) => $call)
     };
@@ -104,7 +104,7 @@ pub enum Backend {
     Helium,
     /// Any processor without DSP and Helium: unrolled byte loops, and words of four pixels in ordinary 32-bit registers
     /// for score bounds. The fastest backend on 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC); there the
-    /// `CutTable` in each workspace is 510 bytes larger than elsewhere. Loads words only from multiples of four bytes.
+    /// `CutTable` in each workspace is 510 bytes larger than elsewhere. Loads words only from addresses divisible by 4.
     Swar,
 }
 

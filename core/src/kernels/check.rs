@@ -87,7 +87,8 @@ impl Noise {
     }
 }
 
-/// Fills the areas with noise: bytes at one index of two areas mostly differ by less than a threshold, some by more.
+/// Fills the areas with noise, for differences below and above a threshold. Bytes of `end` and of another area at the
+/// same index differ by at most 64 (modulo 256), but about a fifth of those in `start` differ by any amount.
 fn fill(areas: &mut Areas<'_>) {
     let mut noise = Noise(1);
     for ((first, second), third) in areas.end.iter_mut().zip(&mut *areas.other_end).zip(&mut *areas.start) {
@@ -224,8 +225,8 @@ fn padding(backend: Backend, areas: &Areas<'_>) {
     }
 }
 
-/// Compares the largest pictures whose score fits in a `u32`: white with white, and white with black. A side is a
-/// `u16`, and 65537 is prime, so the largest has 65536 pixels.
+/// Compares the largest pictures whose score fits in a `u32`: white with white, and white with black. The score of
+/// 65537 pixels would fit too, but 65537 is prime and a side is a `u16`, so the largest picture has 65536 pixels.
 fn largest_scores(backend: Backend, Areas { end, other_end, .. }: &mut Areas<'_>) {
     end.fill(255);
     other_end.fill(0);
@@ -282,7 +283,8 @@ pub(super) fn candidates(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares the pixel ranges of 4x4 blocks. The four rows have different alignments; one lies at an edge of the memory.
+/// Compares the pixel ranges of 4x4 blocks with the formula. The four pixel rows under the blocks have different
+/// alignments, and one of these rows lies at an edge of the memory.
 #[inline(never)]
 pub(super) fn ranges(backend: Backend, areas: &mut Areas<'_>) {
     fill(areas);
@@ -394,7 +396,8 @@ pub(super) fn groups(backend: Backend, areas: &mut Areas<'_>) {
     far_groups(backend, areas);
 }
 
-/// Checks that a group of offsets at any column is excluded if all its gray levels are far from those of the template.
+/// Checks that a group of 4x4 offsets at any column is excluded if each pixel under it differs from the template by the
+/// threshold or more, and is not excluded if each differs by less.
 fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
     let table = cut(2, 13);
     let scorer = Scorer::new(backend, &table);
@@ -411,7 +414,7 @@ fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
             part_mut(areas.end, true, usize::from(width) * 9).fill(level);
             let template = picture(areas.end, true, (width, 9), width.into());
             let most = plain::scores::most(template, template);
-            // A bound may count up to two rows as fully similar.
+            // A bound may count up to two of the nine rows as fully similar: fewer than this floor needs.
             let bound = scorer.bound(&blocks, template, most / 4);
             check(bound.is_some() == counts, "bound of a far group", backend, (width, column, level));
         }
@@ -424,7 +427,7 @@ pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     let odd = [(4, 4), (5, 40), (6, 32), (4, 50), (14, 14), (32, 6), (1, 1), (7, 9), (13, 15)];
     let shapes = (4..=32).map(|across| (across, (1 + across * 5 % 13).min(200 / across)));
     let shapes = odd.into_iter().chain(shapes).enumerate().step_by(STEP);
-    // The largest cells and weights, then noise.
+    // Cells and weights of the largest absolute values, with equal and with opposite signs, then noise.
     for (cell, sign, count) in [(128, Some(-1), 6), (128, Some(1), 6), (127, Some(1), 6), (0, None, usize::MAX)] {
         areas.end.fill(cell);
         if sign.is_none() {
@@ -451,7 +454,8 @@ pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares responses and gradients, computed in pieces. Weights and errors are noise, or `sign` times the maximum.
+/// Compares responses and gradients, computed piece by piece, with those of the plain loops. Weights are noise within
+/// +-8191 and errors noise within +-16383, or all are `sign` times these limits.
 fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: usize, sign: Option<i16>) {
     let products = Products::new(backend);
     let mut noise = Noise(5);
@@ -481,11 +485,12 @@ fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     }
 }
 
-/// Compares layers of a network with the formula, also for the largest sums, and for slices that are too short.
+/// Compares layers of a network with the formula, for noise and for the largest sums. Compares layers whose slices are
+/// too short with the plain loop.
 #[cfg(feature = "refiner")]
 #[inline(never)]
 pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
-    // (patches, inputs, outputs) of the refiner's layers, and unusual ones.
+    // (patches, inputs, outputs) of the refiner's layers but the last, and of two unusual layers.
     let known = [(16, 20, 8), (8, 72, 16), (8, 144, 24), (4, 216, 24), (1, 384, 24), (1, 4, 1), (2, 17, 5)];
     let odd = [(1, 1), (2, 1), (3, 2), (2, 3), (5, 5), (7, 4)];
     let odd = (4..=80).step_by(4).chain([220, 380]).zip(odd.into_iter().cycle()).map(|(inputs, (n, o))| (n, inputs, o));
@@ -535,9 +540,9 @@ pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares the kernels on filter weights, for counts that fill the last vector differently.
+/// Compares the kernels on filter weights, for numbers of weights that fill the last vector to different degrees.
 fn weights() {
-    // Values at and next to the limits of the integer types.
+    // Values at the limits of an `i32`, and near other powers of 2.
     const EXTREMES: [i32; 12] =
         [0, 1, -1, 1023, -1024, 65_536, -65_537, 1 << 30, -(1 << 30), i32::MAX, -i32::MAX, i32::MIN];
     let mut noise = Noise(7);
@@ -546,7 +551,8 @@ fn weights() {
         let weights = &mut weights[..count.min(20)];
         scaled(ScaledSums::of(weights));
         for (unit, left) in [(14, 2), (14, 5), (16, 0), (17, 0), (19, 0)] {
-            // The largest sums that fit after a shift by `left`, and sums so small that rounding drops them.
+            // Numbers within +-2^(30 - left), so that no value overflows, then numbers of -1 to 1, for which a product
+            // with `factor / 2^32` rounds to 0 or -1.
             for most in [(1 << 30) >> left, 1] {
                 let sums: [i32; 20] = core::array::from_fn(|_| noise.next(most));
                 let mut reversed = sums;
@@ -573,13 +579,14 @@ fn weights() {
     }
 }
 
-/// Compares the largest absolute value, and the quantised values for every shift with which they fit in 16 bits.
+/// Compares the largest absolute value of `numbers`, and their quantised values for every shift up to 31 with which
+/// none exceeds +-8191.
 fn scaled(numbers: ScaledSums<'_>) {
     let ScaledSums { weights, factor, sums, left } = numbers;
     let number = |factor, (&weight, &sum): (&i32, &i32)| {
         ((i128::from(weight) * i128::from(factor)) >> 32) as i64 + (i64::from(sum) << left)
     };
-    // The absolute value, rounded toward zero, whereas `number` rounds down.
+    // The absolute value of a number rounded toward zero, whereas `number` rounds it down.
     let size = |pair: (&i32, &i32)| match number(factor, pair) {
         number @ 0.. => number,
         _ => number(-factor, pair) - 2 * (i64::from(*pair.1) << left),
@@ -649,7 +656,8 @@ fn cells() {
     }
 }
 
-/// Compares norms with the formula: for random energies, for the smallest mean energy with each norm, and for 1 less.
+/// Compares norms with the formula: for random energies, for the smallest mean energy whose norm is at least `case`,
+/// and for that energy less 1.
 fn norms_of_rows() {
     let mut noise = Noise(17);
     for (case, kind) in (0..47_200_u32).step_by(STEP).flat_map(|case| [0, 1, 2].map(|kind| (case, kind))) {

@@ -10,7 +10,8 @@ pub(crate) const ONE: u16 = u16::MAX;
 /// Maximum number of pixels whose similarities a `u32` can sum: 65537.
 pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 
-/// Number of entries. 511 without vectors, where an index by the signed difference costs less than an absolute value.
+/// Number of entries: 256, or 511 without vectors, where it costs less to index by the signed difference than to
+/// compute its absolute value.
 const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };
 
 /// Similarity by gray-level difference, 0 from a threshold on (step 2 of the method): kernels need no comparison.

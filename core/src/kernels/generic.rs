@@ -67,7 +67,8 @@ pub(crate) trait Vector: Copy {
     /// Loads bytes from any address.
     unsafe fn load(from: *const u8) -> Self;
     unsafe fn nothing() -> Self::Total;
-    /// Mask (255) of the end of a row: the pixels after the last whole vector. `WHOLE` is 0 if no vector is whole.
+    /// Mask that is 255 in the lanes of the end of a row (the pixels after its last whole vector), else 0. `WHOLE` is 0
+    /// if the row has no whole vector.
     unsafe fn end<const WHOLE: usize>(width: usize) -> Self;
     /// Loads the end of the row that begins at `row`. Lanes outside the mask [`Vector::end`] may hold anything.
     unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize) -> Self;
@@ -167,7 +168,8 @@ macro_rules! by_width {
     }};
 }
 
-/// Table entries below the threshold as two byte planes (low, high). One instruction looks up entries of one segment.
+/// Table entries below the threshold as two byte planes (low, high). Each plane consists of segments of `SEGMENT`
+/// entries, because a lookup instruction covers no more.
 pub(crate) struct Lookup<V, const SEGMENT: usize, const SEGMENTS: usize> {
     pub(crate) low: [[u8; SEGMENT]; SEGMENTS],
     pub(crate) high: [[u8; SEGMENT]; SEGMENTS],
@@ -334,7 +336,7 @@ struct Sums<V: Vector> {
     high: V::Total,
 }
 
-/// The score if it is at least `floor`, else `None`: see the pseudo-code at the top.
+/// The score if it is at least `floor`, else `None`: see the pseudo-code at the top of this file.
 #[inline(always)]
 pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool>(
     table: &L,
@@ -746,7 +748,7 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
         if at == last_strip {
             return true;
         }
-        // The last strip overlaps the one before it, with the same values.
+        // The last strip overlaps the strip before it, and stores the same values there again.
         at = last_strip.min(at + V::LANES);
     }
 }

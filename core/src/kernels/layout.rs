@@ -56,8 +56,8 @@ impl Layout {
         (last.checked_add(row)? <= cells).then_some(down)
     }
 
-    /// Rows of offsets for the plain loop, if it replaces a faster loop whose pieces of work are not rows of offsets:
-    /// all rows if `pieces` includes the first piece, else none.
+    /// Rows of offsets that the plain loop computes for `pieces` when it replaces a faster loop, whose pieces of work
+    /// are not rows of offsets: all rows if `pieces` includes the first piece, else none.
     #[allow(dead_code)] // for backends whose pieces are not rows of offsets
     pub(crate) fn all_rows_in_first_piece(self, pieces: Range<usize>) -> Range<usize> {
         if pieces.start == 0 { 0..self.span } else { 0..0 }
@@ -69,7 +69,7 @@ impl Layout {
         weights.checked_div(self.row).unwrap_or(0) + self.span.saturating_sub(1)
     }
 
-    /// Number of multiplications of the weights with row `row` of the cells, over all offsets.
+    /// Number of multiplications of a weight by a feature byte of row `row` of the cells, over all offsets.
     #[allow(dead_code)] // as above
     pub(crate) fn work_on(self, row: usize, weights: usize) -> usize {
         let down = weights.checked_div(self.row).unwrap_or(0);

@@ -126,7 +126,8 @@ impl Dense {
         }
     }
 
-    /// The sums of one patch before the shift, always by the plain loop. Only the small last layer needs them.
+    /// The sum of each output for one patch, before the shift. Always uses the plain loop, because only the small last
+    /// layer needs these sums.
     pub(crate) fn sums<const N: usize>(layer: plain::Layer<'_>, patch: &[i8]) -> [i32; N] {
         core::array::from_fn(|output| plain::sum(layer, output, patch))
     }

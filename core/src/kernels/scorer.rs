@@ -20,8 +20,8 @@ use super::swar::scores as swar;
 use super::x86::{avx2, ssse3};
 use crate::image::{Image, Rect};
 
-/// Computes scores and distances of pictures with a [`CutTable`], prepared for a backend. Pictures have at most
-/// [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
+/// Computes scores and distances of two pictures on a backend. Scores use a [`CutTable`]. The common part of the
+/// pictures has at most [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
 pub struct Scorer<'a> {
     plain: Plain<'a>,
     ready: Ready<'a>,
@@ -114,7 +114,7 @@ impl<'a> Scorer<'a> {
     pub(crate) const BOUNDS_FOUR: bool =
         cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "arm")) || Self::RANGES_OF_ROWS;
 
-    /// Bit mask of those of four neighbouring offsets that are `wanted` and whose score may reach `floor`; see
+    /// Bit mask of the offsets whose score may reach `floor`, among the up to four neighbouring ones in `wanted`; see
     /// [`Scores::candidates`]. Returns `wanted` if the template is too large or the patch too small.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
@@ -125,8 +125,8 @@ impl<'a> Scorer<'a> {
         by_backend!(&self.ready, Ready(kernels) => kernels.candidates(patch, template, floor, wanted))
     }
 
-    /// Computes the lowest and the highest pixel of 4x4 blocks for [`Scorer::bound`], as the backend encodes them.
-    /// `low` and `high` begin and end at multiples of four bytes. Each row has three more pixels than `low`.
+    /// Computes the lowest and the highest pixel of 4x4 blocks for [`Scorer::bound`], as the backend encodes them. The
+    /// addresses and lengths of `low` and `high` are multiples of four. Each row has three more pixels than `low`.
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         debug_assert!(low.len() == high.len() && low.len().is_multiple_of(4));
@@ -154,8 +154,8 @@ impl<'a> Scorer<'a> {
         by_backend!(&self.ready, Ready(kernels) => kernels.bound(blocks, template, floor))
     }
 
-    /// The score of the pixels of `template` on the zero padding around the frame. `seen` is the part of the template
-    /// on the frame, in template coordinates, or empty. The template has at most `MAX_PIXELS` pixels.
+    /// The score of those pixels of `template` that lie on the zero padding around the frame. `seen` is the part of the
+    /// template on the frame, in template coordinates; it may be empty. The template has at most `MAX_PIXELS` pixels.
     #[cfg(not(smr_swar))]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
@@ -183,7 +183,8 @@ impl<'a> Scorer<'a> {
         }
         sum
     }
-    /// The score of the pixels of `template` on the padding. Uses the plain loop, because no loop over words is faster.
+    /// The score of those pixels of `template` that lie on the zero padding around the frame. Uses the plain loop,
+    /// because no loop over words is faster.
     #[cfg(smr_swar)]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {

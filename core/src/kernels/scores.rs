@@ -45,9 +45,9 @@ pub(crate) trait Scores {
 
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
-    /// Returns `wanted`, a bit for each of four neighbouring offsets, with some bits cleared: bit i only if the score
-    /// at the offset i columns to the right cannot reach `floor`. The patch has three more columns than the template.
-    /// Backends without a fast bound return `wanted`.
+    /// Returns `wanted`, a bit for each of four neighbouring offsets, with some bits cleared. Bit i is the offset i
+    /// columns to the right; it is cleared only if the score there cannot reach `floor`. The patch has three more
+    /// columns than the template. Backends without a fast bound return `wanted`.
     #[inline(always)]
     fn candidates(&self, _patch: Image<'_>, _template: Image<'_>, _floor: u32, wanted: u8) -> u8 {
         wanted
@@ -74,9 +74,9 @@ pub(crate) trait Scores {
 /// that a useless bound costs little. Atomic, so that a scorer can be shared. No result depends on it.
 #[allow(dead_code)] // not every target has a backend that bounds four offsets
 pub(crate) struct Effort {
-    /// Number of next calls that skip the bound.
+    /// Number of calls, from the next one on, that skip the bound.
     without: AtomicU8,
-    /// One set bit for each successive bound that excluded no offset, at most six.
+    /// Bit mask: one set bit for each bound since the last one that excluded an offset, at most six bits.
     in_vain: AtomicU8,
 }
 

@@ -64,7 +64,7 @@ mod memory {
     }
 }
 
-/// Pictures with more pixels than a sum can hold have no score.
+/// Pictures of more than 65,537 pixels have neither a score nor a distance.
 fn too_large(backend: Backend) {
     let pixels = std::vec![255; 2 * 65_535];
     let table = check::cut(2, 256);
@@ -98,7 +98,7 @@ fn a_root_is_rounded_down() {
 #[test]
 fn means_are_exact() {
     for cells in 1..=9 {
-        // Large energies, and all below `cells << 10`: every remainder meets every value of the next ten bits.
+        // Energies below `cells << 10` pair every remainder with all values of the next ten bits; `large` goes further.
         let large = (0..30).flat_map(|places| [(1 << places) - 1, (1 << places) + cells / 2, (cells << 26) - 1]);
         for energy in (0..cells << 10).chain(large) {
             assert_eq!(mean_by_parts(energy, cells), energy / cells, "{energy} / {cells}");

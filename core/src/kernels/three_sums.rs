@@ -80,7 +80,7 @@ impl PairedSizes {
         half(self.span, sum)
     }
 
-    /// Computes the filter responses for some parts (two rows of cells each). `both` must persist between calls.
+    /// Adds `parts` (two rows of cells each) to the filter responses. `both` and `out` must persist between calls.
     #[inline(always)]
     pub(crate) fn responses<const N: usize>(
         self,

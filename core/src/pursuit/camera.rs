@@ -35,16 +35,17 @@ impl Camera {
         }
     }
 
-    /// The angles right and up from the optical axis to the centre of `target`, in radians. Each ignores the other: if
-    /// the camera is tilted by t, a pan moves the picture only cos(t) times as much, so panning takes longer.
+    /// The angles right and up from the optical axis to the centre of `target`, in radians, each computed without the
+    /// other. At a tilt of t, a pan moves the picture only cos(t) times as far as at tilt 0, so panning takes longer.
     pub(super) fn error_radians(&self, target: FineRect) -> (f32, f32) {
         let x = middle(target.x, target.width) - self.principal_x_pixels;
         let y = middle(target.y, target.height) - self.principal_y_pixels;
         (self.angle_radians(x), self.angle_radians(-y))
     }
 
-    /// The motion of the picture right and down, in units of 1/256 pixel, for a turn of the camera right and up. Exact
-    /// near the optical axis, a little too small farther out.
+    /// The estimated motion of the picture right and down, in units of 1/256 pixel, for a turn of the camera right and
+    /// up. The estimate is good near the optical axis and a little too small farther out. It ignores the tilt of the
+    /// camera, so for a pan it is too large by a factor of 1 / cos(tilt).
     #[allow(clippy::cast_possible_truncation)] // the cast saturates; NaN becomes 0
     pub(super) fn picture_motion(&self, right_radians: f32, up_radians: f32) -> (i32, i32) {
         let units = |radians: f32| (256.0 * self.focal_length_pixels * radians) as i32;

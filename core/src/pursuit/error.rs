@@ -35,7 +35,7 @@ errors! {
         Update(error: UpdateError) => "{error}",
     }
 
-    /// The reason why a command failed: an invalid time, or the unchanged error of the pan, tilt or indicator pin.
+    /// The reason why a command failed: an invalid elapsed time, or the error that one of the three pins returned.
     PursuitError<P, T, L> {
         /// The pan servo's pin failed.
         Pan(error: P) => "the pan servo's pin failed: {error:?}",

@@ -9,7 +9,7 @@ use core::fmt;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
-/// The number of stored turns of the head: the latest turn, and one earlier turn per frame of the longest delay (3).
+/// The number of stored turns of the head: the latest and the 3 before it, because the longest delay is 3 frames.
 const TURNS: usize = 4;
 
 /// The configuration of a [`Pursuit`]. The [module](super) has an example.
@@ -101,8 +101,8 @@ impl<P, T, L> fmt::Debug for Pursuit<P, T, L> {
 }
 
 impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
-    /// A pursuit that assumes the head at home. The servos' true position is unknown, so the first call of
-    /// [`Pursuit::follow`], [`Pursuit::steer`] or [`Pursuit::wait`] turns them at full speed.
+    /// A pursuit that assumes the head at home. The servos' true positions are unknown, so at the first call of
+    /// [`Pursuit::follow`], [`Pursuit::steer`] or [`Pursuit::wait`] they turn at full speed, not the slew rate.
     ///
     /// # Errors
     /// [`PursuitConfigError`] if a value of the configuration is invalid.
@@ -174,8 +174,9 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         self.turn_to(pan, tilt, false)
     }
 
-    /// The expected motion of the picture from the last frame to the next, right and down, in units of 1/256 pixel, for
-    /// [`Target::moved`]: the effect of the head's turn [`PursuitConfig::delay_frames`] commands before the last one.
+    /// The motion of the picture expected from the last frame to the next, right and down, in units of 1/256 pixel, to
+    /// be passed to [`Target::moved`]. Its cause is the turn of the head by the last command, or with a delay by the
+    /// command that came [`PursuitConfig::delay_frames`] commands earlier.
     #[must_use]
     pub fn picture_motion(&self) -> (i32, i32) {
         let (right, up) = self.turns.get(usize::from(self.delay_frames)).copied().unwrap_or_default();

@@ -70,9 +70,10 @@ fn clamp_abs(value: f32, bound: f32) -> f32 {
     value.max(-bound).min(bound)
 }
 
-/// The pulses of a hobby servo in microseconds. Measure them once for your servo and its linkage.
-/// If the servo is mounted reversed, the pulse at the minimum is the longer one. The resolution is that of the pin's
-/// timer: at a period of 20,000 microseconds a 16-bit duty resolves 0.3 microseconds, an 8-bit duty 78 (7 degrees).
+/// The pulses of a hobby servo, in microseconds. Measure them once for your servo and its linkage. If the servo is
+/// mounted reversed, the pulse at the minimum of the axis is the longer one. The resolution is that of the pin's timer:
+/// at a period of 20,000 microseconds, a 16-bit duty resolves 0.3 microseconds, and an 8-bit duty 78 microseconds (7
+/// degrees, if 1000 microseconds turn the servo by 90 degrees).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Servo {

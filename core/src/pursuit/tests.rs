@@ -76,7 +76,7 @@ impl OutputPin for Pin {
 
 type Pins = Pursuit<Pin, Pin, Pin>;
 
-/// A pursuit whose mock pins (pan, tilt, indicator) fail at the first write if they have an error.
+/// A pursuit with mock pins (pan, tilt, indicator). Each pin with an entry in `errors` fails at its first write.
 fn pursuit(config: PursuitConfig, errors: [Option<ErrorKind>; 3], max_duty: u16) -> Result<Pins, PursuitConfigError> {
     let [pan, tilt, indicator] = errors.map(|error| Pin { max_duty, error, written: Vec::new() });
     Pursuit::new(config, pan, tilt, indicator)
@@ -125,7 +125,7 @@ fn the_pulses_of_each_frame_are_exact() {
         (None, anywhere, 0.5, [1563, 1500, 0]),
         (None, anywhere, 0.5, [1500, 1500, 0]),
         (None, anywhere, f32::MAX, [1500, 1500, 0]),
-        // The hold of 1 second ends 0.5 seconds before the second frame. After a new sighting it begins again.
+        // The second of these frames comes 0.5 s after the end of the hold (1 s). A new sighting restarts the hold.
         (Some(Tracking), far_right, 0.25, [1750, 1500, 1]),
         (None, anywhere, 1.5, [1625, 1500, 0]),
         (Some(Tracking), far_right, 0.25, [1875, 1500, 1]),
@@ -161,7 +161,7 @@ fn an_invalid_time_writes_no_pin() {
 #[test]
 fn the_error_of_each_pin_is_passed_on_and_the_others_are_written() {
     let [pan, tilt, led] = [NotConnected, BrokenPipe, TimedOut].map(Some);
-    // The first of several errors is returned. After a failed write an axis does not catch up by a larger turn.
+    // The first of several errors is returned. The turn after a failed write does not make up for the missed turn.
     for (errors, word, error, (pan_radians, tilt_radians)) in [
         ([pan, None, None], "pan", PursuitError::Pan(MockError::Io(NotConnected)), (0.5, 1.0)),
         ([None, tilt, None], "tilt", PursuitError::Tilt(MockError::Io(BrokenPipe)), (1.0, 0.5)),
@@ -283,7 +283,7 @@ fn the_tracker_is_told_how_far_the_picture_moves() {
     let failing = [[true, false, false], [false, true, false], [false, false, true]].map(|fails| (0, fails));
     for (delay_frames, fails) in [(0, good), (1, good), (3, good)].into_iter().chain(failing) {
         follows::<Paper<1024, 161>>(small, delay_frames, fails);
-        // The refiner is off, because its larger window would be cut at the frame's edge.
+        // The refiner is off, because it enlarges the tracker's window, which the frame's edge would then cut.
         follows::<Robust>(robust::Config::robust(), delay_frames, fails);
     }
 }

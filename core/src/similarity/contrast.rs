@@ -18,7 +18,7 @@ impl Contrast {
     /// Stands for a contrast that is not known.
     pub(crate) const NONE: Self = Self { pixels: 0, mean: 0, deviation: 0, clipped: 0 };
 
-    /// Computes the contrast of at most 65537 pixels. No overflow: 256 times the sum of their levels is less than 2^32.
+    /// Computes the contrast of at most 65537 pixels. 256 times the largest sum (65537 * 255) still fits in a `u32`.
     #[inline(never)]
     pub(crate) fn of(pixels: Image<'_>) -> Self {
         let from = |level| {
@@ -33,7 +33,7 @@ impl Contrast {
         Self { pixels: count, mean, deviation, clipped }
     }
 
-    /// True if the patch passes the checks of contrast and of clipped pixels against any target of its size.
+    /// True only if, for every target of this size, `has_contrast_of` is true and `is_more_clipped_than` false.
     pub(crate) const fn is_enough_for_any(&self) -> bool {
         LARGEST_CONTRAST_RATIO * self.deviation >= MOST_DEVIATION * self.pixels && 2 * self.clipped <= self.pixels
     }
@@ -49,7 +49,7 @@ impl Contrast {
     }
 }
 
-/// The largest mean absolute deviation of a picture, rounded up: half of its pixels are 0, half are 255.
+/// The largest possible mean absolute deviation (127.5, if half of the pixels are 0 and half are 255), rounded up.
 const MOST_DEVIATION: u32 = 128;
 /// A patch can show the target if it has at least 1 / `LARGEST_CONTRAST_RATIO` of the target's contrast.
 pub(crate) const LARGEST_CONTRAST_RATIO: u32 = 4;

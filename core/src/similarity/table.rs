@@ -1,4 +1,4 @@
-//! The exp table, which specifies p, the similarity of two pixels (step 3 of the method).
+//! The table of p, the similarity of two pixels: an exponential of their difference (step 3 of the method).
 //!
 //! A `const fn` computes it in integers, so it is a constant in flash and the same on every platform.
 
@@ -79,10 +79,10 @@ impl Table {
         table
     }
 
-    /// Computes entry d as 65535 * r^d with r = exp(-1 / scale) in 64 fractional bits: one multiplication per entry.
-    /// Each multiplication adds an error of less than 2^-64. So r^255 is too small by less than 2^-55, and 65535 *
-    /// r^255 by less than 2^-39. No exact value for any scale lies that close to the middle between two integers (a
-    /// test tries all of them), so the rounding is correct.
+    /// Computes entry d as 65535 * r^d with r = exp(-1 / scale) in 64 fractional bits: one multiplication per entry. r
+    /// is too small by less than 2^-64, and each multiplication increases the error by less than 2^-63. So r^255 is too
+    /// small by less than 2^-55, and 65535 * r^255 by less than 2^-39. For no scale is an exact value that close to the
+    /// middle between two integers (a test tries all scales), so the rounding is correct.
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // d < 256; every quotient is below 2^16
     const fn fill(&mut self, scale: u16) {
         const HALF: u128 = 1 << 63;
@@ -116,7 +116,7 @@ impl CutTable {
 }
 
 /// exp(-1 / scale) in 64 fractional bits, by the alternating series 1 - x + x^2/2! - x^3/3! + ... with x = 1 / scale,
-/// summed in 120 fractional bits until the terms vanish (34 terms for the steepest scale).
+/// summed in 120 fractional bits until the terms vanish (33 terms for the steepest scale, 1).
 const fn exp_of_minus_one_over(scale: u16) -> u128 {
     let mut term: u128 = 1 << 120;
     let mut sum: u128 = 0;
@@ -156,8 +156,9 @@ impl core::error::Error for TableError {}
 mod tests {
     use super::*;
 
-    /// Compares with `f64`, whose error here is below 2^-33; that of `fill` is below 2^-39. No entry of any scale is
-    /// within 2^-28 of the middle between two integers, so both round to the same integer.
+    /// Compares each entry with the value in `f64`, whose error here is below 2^-33; the error of `fill` is below
+    /// 2^-39. No value before rounding, at any scale, is within 2^-28 of the middle between two integers, so both round
+    /// to the same integer.
     #[test]
     fn every_entry_is_the_correctly_rounded_exponential() {
         for scale in Table::SCALES {

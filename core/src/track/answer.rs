@@ -1,4 +1,4 @@
-//! The answer of an update (box, state, confidence), and the upper bounds of a tracker's work.
+//! The answer of an update (box, state, confidence), and upper bounds of the work that a tracker's calls do.
 
 use crate::image::{FineRect, Rect};
 
@@ -22,8 +22,8 @@ pub enum State {
     /// The target is partly hidden or changes quickly, or the tracker follows something else.
     Uncertain = 2,
     /// The target is not visible. The box is the last accepted one ([`Paper`](crate::Paper)) or the current best guess
-    /// ([`Robust`](crate::Robust)). The search goes on. Nothing is learned, unless the state is lost only because the
-    /// refiner's network expects large errors.
+    /// ([`Robust`](crate::Robust)). The search goes on. Nothing is learned, unless the target is lost only because the
+    /// refiner's network expects large errors of the box.
     Lost = 3,
 }
 
@@ -61,14 +61,16 @@ pub struct Answer {
     /// The tracker's judgement of the box.
     pub state: State,
     /// Confidence in the box. [`Paper`](crate::Paper): `ratio`, or 0 when lost. [`Robust`](crate::Robust): a running
-    /// mean of 2/3 * the agreement with the early (slowly learned) template + 1/3 * min(2 * the filter's response, 1).
+    /// mean of 2/3 * `ratio` + 1/3 * min(2 * the filter's response, 1).
     pub confidence: u16,
-    /// Similarity of the pixels in the box to the template. [`Paper`](crate::Paper): the similarity matching ratio,
-    /// which is the peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth
-    /// lowest such ratio among the 16 tiles of the early template; 0 if the box has too little contrast or is clipped.
+    /// Similarity of the template to the pixels at the peak of the search. [`Paper`](crate::Paper): the similarity
+    /// matching ratio, which is the score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the
+    /// fourth lowest such ratio among the 16 tiles of the early (slowly learned) template; 0 if the pixels at the peak
+    /// have too little contrast or too many of them are clipped to 0 or 255.
     pub ratio: u16,
-    /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` from
-    /// `Robust`, and if no decision depended on it: see [`runner_up_always`](crate::paper::Config::runner_up_always).
+    /// The similarity matching ratio of the runner-up, the best offset outside the peak's neighbourhood; 0 if the
+    /// window does not reach beyond it. `None` from `Robust`, and if no decision depended on the runner-up: see
+    /// [`runner_up_always`](crate::paper::Config::runner_up_always).
     pub runner_up_ratio: Option<u16>,
     /// The threshold alpha of this frame, rounded up to whole gray levels: pixels that differ by less match. `None`
     /// from [`Robust`](crate::Robust), whose threshold follows the contrast of each patch.
@@ -79,8 +81,8 @@ pub struct Answer {
     pub found_again: bool,
 }
 
-/// Upper bounds of a tracker's work for any frame, in units of [`Tracker::update_step`](crate::Tracker::update_step).
-/// [`Target::most_work`](crate::Target::most_work) computes them.
+/// Upper bounds of a tracker's work for any frame, computed by [`Target::most_work`](crate::Target::most_work).
+/// [`Tracker::update_step`](crate::Tracker::update_step) explains the unit of work.
 ///
 /// ```
 /// use smr_core::{Paper, Robust, Target, paper, robust};
@@ -104,6 +106,7 @@ pub struct MostWork {
     /// Upper bound of the work of a lock.
     pub lock: u64,
     /// Upper bound of the work by which a step exceeds its grant, because a piece of work cannot be divided. Excludes a
-    /// lock of `Paper`, which is always one step, and a pass over template and weights as a call ends.
+    /// lock of `Paper`, which is always one step, and the pass over the template (and the weights of `Robust`) at the
+    /// end of a call.
     pub beyond_a_step: u32,
 }

@@ -52,7 +52,7 @@ errors! {
     UpdateError {
         /// There is no target yet: call `lock` first.
         NotLocked => "there is no target yet: lock first",
-        /// The frame has another size than the one that was locked on.
+        /// The frame does not have the size of the frame in which the target was locked.
         FrameSizeChanged => "the frame has another size than the one that was locked on",
         /// [`Target::window`](crate::Target::window) or [`Target::sweep_window`](crate::Target::sweep_window) is not
         /// wholly in memory.

@@ -44,7 +44,7 @@ fn errors() -> Vec<Error> {
     }
 }
 
-/// `(language or "" for all, errors that cannot occur in it, reason)`. Then users get no text, only the status's name.
+/// Errors that `words` omits: `(language or "" for all, errors, reason)`. Without a text, users get the status's name.
 const NEVER: &[(&str, &[&str], &str)] = &[
     ("JavaScript", &["ConfigError::RefinerNotBuiltIn"], "the module has the refiner"),
     ("JavaScript", READOUT, "a browser gives frames, not lines"),
@@ -67,7 +67,8 @@ const READOUT: &[&str] = &[
     "ReadoutError::LineMissing",
 ];
 
-/// Errors in `core` (smr-core's public items), except those of `pursuit` and `similarity`, which only Rust can cause.
+/// Errors in `core`, the list of smr-core's public items. Omits the modules `pursuit` and `similarity`: a call from
+/// another language never returns their errors.
 fn listed(core: &str) -> BTreeSet<String> {
     let paths = core.lines().filter_map(|line| line.strip_prefix("pub smr_core::")?.split(['(', ' ']).next());
     let named = |path: &str| {
@@ -78,7 +79,7 @@ fn listed(core: &str) -> BTreeSet<String> {
     paths.filter(|path| !path.starts_with("pursuit::") && !path.starts_with("similarity::")).filter_map(named).collect()
 }
 
-/// The name and text of each status that a language can cause, by its number.
+/// Maps the number of each status that users of `language` can get to the status's name and text.
 fn words(language: &str) -> BTreeMap<i32, (&'static str, String)> {
     let is_never = |name: &str| NEVER.iter().any(|(of, names, _)| ["", language].contains(of) && names.contains(&name));
     let mut words = BTreeMap::new();

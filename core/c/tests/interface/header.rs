@@ -75,7 +75,8 @@ fn a_packing_does_not_compile() {
     }
 }
 
-/// Converts `size`, the value of macro `name` in this build, to its value in a 32-bit build for `pixels` and `span`.
+/// Converts `size`, the value of macro `name` in this build, to the macro's value in a 32-bit build where SMR_PIXELS is
+/// `pixels` and SMR_SPAN is `span`.
 fn on_32_bits(size: usize, name: &str, pixels: usize, span: usize) -> usize {
     let header = include_str!("../../include/smr.h");
     let definition = header.split_once(&format!("#define {name} ")).expect("the header defines it").1;

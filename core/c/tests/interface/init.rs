@@ -67,7 +67,7 @@ fn filled(fill: unsafe extern "C" fn(*mut smr_config) -> smr_status) -> smr_conf
     }
 }
 
-/// Returns the status of `smr_init`, and the bytes of stack that the preset and `smr_init` take.
+/// Calls `fill`, then `smr_init`. Returns the status of `smr_init`, and the most stack used meanwhile, in bytes.
 fn init<const TARGET: usize, const WORKSPACE: usize>(
     fill: unsafe extern "C" fn(*mut smr_config) -> smr_status,
 ) -> (smr_status, usize) {

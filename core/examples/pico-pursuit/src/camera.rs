@@ -97,7 +97,8 @@ impl<V: InputPin> Camera<V> {
         complete.then_some(&self.pixels)
     }
 
-    /// Reads words of four pixels, faster than they arrive. Returns false if they stop arriving.
+    /// Reads a frame in words of four pixels, faster than the words arrive. Returns false if a word is missing after
+    /// the deadline (`late`).
     fn read(&mut self, late: impl Fn() -> bool) -> bool {
         for four in self.pixels.chunks_exact_mut(4) {
             let word = loop {

@@ -52,7 +52,7 @@ type SmallTarget = Paper<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33
 
 #[rp2040_hal::entry]
 fn main() -> ! {
-    // `run` returns only if a peripheral is missing; then the LED stays off.
+    // `run` returns only if its set-up fails, e.g. because the camera does not respond. Then the LED stays off.
     let _ = run();
     loop {
         core::hint::spin_loop();
@@ -76,7 +76,7 @@ fn run() -> Option<Infallible> {
     let sio = Sio::new(chip.SIO);
     let pins = Pins::new(chip.IO_BANK0, chip.PADS_BANK0, sio.gpio_bank0, &mut chip.RESETS);
 
-    // The two servos of the head, on one PWM slice. (The LED is the Pico's own.)
+    // The head's two servos, on one PWM slice. (The LED on GP25, which `pursuit` switches, is on the Pico.)
     let mut slice = Slices::new(chip.PWM, &mut chip.RESETS).pwm2;
     slice.set_div_int(PWM_DIVIDER);
     slice.set_top(PWM_TOP);
@@ -123,7 +123,8 @@ fn run() -> Option<Infallible> {
     }
 }
 
-/// Returns the frame for an update; `None` without a target, or after a lock on the middle, if the button is pressed.
+/// Locks on the middle of the frame and returns `None` if the button is pressed. Otherwise returns the frame for an
+/// update, or `None` without a target.
 fn frame_to_search<'a, T: Target>(tracker: &mut Tracker<T>, pixels: &'a [u8], pressed: bool) -> Option<Frame<'a>> {
     let frame = Frame::whole(Image::new(pixels, WIDTH, HEIGHT).ok()?);
     if pressed {

@@ -135,7 +135,7 @@ if __name__ == "__main__":
     try:
         main()
     except BrokenPipeError:
-        # Redirects standard output, so that Python's flush at exit does not fail again.
+        # Redirects standard output to the null device: Python's flush at exit would raise BrokenPipeError again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except KeyboardInterrupt:
         sys.exit(130)

@@ -57,8 +57,8 @@ impl Points {
         (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
     }
 
-    /// Initial margins of four offsets: the maximum sum of points minus `needed`, but negative if not `wanted`. A loop
-    /// then subtracts the points that each pixel has less than 255. A negative margin excludes the offset.
+    /// Initial margins of four offsets: the maximum sum of points minus `needed`, but a negative number if the offset's
+    /// bit in `wanted` is 0. A loop then subtracts (255 - points) of each pixel. A negative margin excludes the offset.
     #[inline(always)]
     pub(super) fn initial_margins(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
         let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();

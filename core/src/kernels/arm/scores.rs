@@ -25,8 +25,9 @@ pub(crate) trait Loops {
     /// Maps (rows, allowed) to the number of template pixels outside their ranges. May stop once it exceeds `allowed`.
     /// `Rows::patch` holds the lower ends of the ranges, `Rows::high` the lengths, with the same stride.
     const OUTSIDE_RANGES: unsafe fn(&Rows, u32) -> u32;
-    /// Maps (rows, constants, needed, wanted) to the points (`points.rs`) of four offsets minus `needed`. Negative only
-    /// for offsets that have fewer points or are not wanted. The patch has three more columns than the template.
+    /// Maps (rows, constants, needed, wanted) to the points (`points.rs`) of four offsets minus `needed`. A result is
+    /// negative only if its offset has fewer points than `needed`, or a 0 bit in `wanted`. The patch has three more
+    /// columns than the template.
     const POINT_MARGINS: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS];
     /// Takes (rows, margin, low, lengths). Computes the lower ends and the lengths of the pixel ranges of 4x4 blocks,
     /// widened by `margin` on both sides. Does nothing if there are fewer blocks than `NARROWEST`.
@@ -110,14 +111,15 @@ impl<L: Loops> Scores for Kernels<'_, L> {
     }
 }
 
-/// The distance of narrow pictures. A separate function, so that the usual case need not save registers for it.
+/// Computes the distance of narrow pictures. In a separate function, so that the usual case need not save registers.
 #[cold]
 #[inline(never)]
 fn narrow_distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     plain::distance(patch, template, enough)
 }
 
-/// Number of 4x4 blocks, one beginning in each column, that the four rows contain and that fit in `low` and `high`.
+/// Number of 4x4 blocks in the four rows, but at most the length of `low` and of `high`. Blocks overlap: each begins
+/// one column after the block before it.
 #[inline]
 pub(crate) fn blocks(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) -> usize {
     rows.iter().fold(low.len().min(high.len()), |blocks, row| blocks.min(row.len().saturating_sub(3)))

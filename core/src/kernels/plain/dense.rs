@@ -29,7 +29,7 @@ pub(crate) struct Layer<'a> {
 pub(crate) fn sum(layer: Layer<'_>, output: usize, patch: &[i8]) -> i32 {
     let bias = layer.biases.get(output).map_or(0, |&bias| i32::from_le_bytes(bias));
     let weights = layer.weights.get(output * layer.inputs..).unwrap_or_default();
-    // Keeps the loop small on every microcontroller, because those that need speed have another loop.
+    // The two calls keep the loop small on every microcontroller. The DSP extension and Helium have faster loops.
     let pairs = rolled_if_rare(rolled(patch.iter().zip(weights)));
     let products = pairs.map(|(&x, &w)| i32::from(x) * i32::from(w));
     bias + products.sum::<i32>()

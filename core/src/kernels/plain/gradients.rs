@@ -9,32 +9,35 @@ use super::super::unrolling::rolled;
 
 const BINS: usize = 9;
 
-/// (cos, sin) of the directions 0, 20, ... 100 degrees, times 256 / sin(20 degrees). All other directions mirror these.
+/// (cos, sin) of the directions 0, 20, ... 100 degrees, times 256 / sin(20 degrees). The directions 120, 140 and 160
+/// degrees are 60, 40 and 20 degrees mirrored at the y axis.
 pub(crate) const DIRECTIONS: [(i32, i32); 6] = [(748, 0), (703, 256), (573, 481), (374, 648), (130, 737), (-130, 737)];
 
 /// Channel sums of a cell: votes for nine directions in units of 1/4 gray level, and the sum of gray levels.
 pub(crate) struct Sums(pub(crate) [u16; CHANNELS]);
 
 impl Sums {
-    /// The sum of the squares of the gradient sums in gray levels: at most 5,900^2.
+    /// The sum of the squares of the nine votes, each rounded down to whole gray levels: at most 5,900^2.
     pub(crate) fn energy(&self) -> u32 {
         self.0.iter().take(BINS).map(|&sum| u32::from(sum >> 2).pow(2)).sum()
     }
 }
 
-/// Sums of a cell's gradients: `[0]` in five sectors of 20 degrees, from 0 to 100 degrees, `[1]` in the sectors
-/// mirrored at the y axis. The low 16 bits sum |y|, the high ones |x|, each at most 4,080.
+/// Sums of a cell's gradients (x, y) by sector: `[0]` has the five sectors of 20 degrees each from 0 to 100 degrees,
+/// `[1]` their mirror images at the y axis. A number holds the sum of |x| in its high 16 bits and the sum of |y| in its
+/// low 16 bits, each at most 4,080.
 pub(crate) struct Sectors(pub(crate) [[u32; 5]; 2]);
 
 impl Sectors {
     #[inline(always)]
     fn add(&mut self, [left, right]: [u8; 2], [above, below]: [u8; 2]) {
         let (x, y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
-        // Opposite gradients are equivalent. Directions beyond 90 degrees mirror those below.
+        // Opposite gradients are equivalent. If x * y < 0, the direction is between 90 and 180 degrees: the gradient
+        // then counts in the mirrored sector of (|x|, |y|).
         let [whole, mirrored] = &mut self.0;
         let sectors = if x * y < 0 { mirrored } else { whole };
         let (right, up) = (x.abs(), y.abs());
-        // The angle of (|x|, |y|) is 0 to 90 degrees: beyond direction 0, and not beyond direction 5 (100 degrees).
+        // The angle of (|x|, |y|) is 0 to 90 degrees, so its sector needs no comparison with 0 and 100 degrees.
         let beyond = |(cos, sin): (i32, i32)| cos * up >= sin * right;
         let [_, one, two, three, four, _] = DIRECTIONS;
         let number = if !beyond(two) {
@@ -51,9 +54,10 @@ impl Sectors {
 
     #[inline(always)]
     pub(crate) fn sums(&self, gray: u16) -> Sums {
-        // A gradient between two directions votes for the upper one by its distance beyond the lower one, and for the
-        // lower one by its distance short of the upper one. a and b are distances beyond, c and d negated distances
-        // short; a and c of sectors, b and d of mirrored sectors. The digit is the direction voted for.
+        // A gradient between two directions votes for the upper one with its distance beyond the lower one, and for the
+        // lower one with its distance short of the upper one. In the names, a and b are distances beyond, c and d
+        // negated distances short; a and c are of the sectors `[0]`, b and d of the mirrored ones. The digit is the
+        // direction voted for, in steps of 20 degrees.
         let beyond = |number: usize, direction| {
             self.0.map(|sectors| distance(sectors.get(number).copied().unwrap_or(0), direction))
         };
@@ -79,7 +83,7 @@ impl Sectors {
     }
 }
 
-/// The distance of the gradient in `sum` beyond a direction: cos * |y| - sin * |x|.
+/// The distance of a sum (|x|, |y|) of `Sectors` beyond a direction (cos, sin): cos * |y| - sin * |x|.
 fn distance(sum: u32, (cos, sin): (i32, i32)) -> i32 {
     cos * (sum & 0xFFFF).cast_signed() - sin * (sum >> 16).cast_signed()
 }
@@ -171,8 +175,9 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Replaces the energies in `columns` (sums of three cells in a column) by `of(norm)`. The norm of a cell is the root
-/// of 64 times the mean energy of the 3x3 cells around it, of which `rows` rows exist. There are at least two columns.
+/// Replaces each number in `columns`, the energy of a cell and of its neighbours above and below, by `of(norm)`. The
+/// norm is the root of 64 times the mean energy of the 3x3 cells around the cell. `rows` of the three rows exist. There
+/// are at least two columns.
 #[inline(always)]
 pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
     debug_assert!(columns.len() != 1);
@@ -235,6 +240,6 @@ pub(crate) fn root(number: u32) -> u32 {
     root = (root + scaled / root) / 2;
     root = (root + scaled / root) / 2;
     root >>= places / 2;
-    // 0 was treated as 1, and the result may be too large by 1.
+    // Corrects both a root that is too large by 1, and the root of 0, which was computed as that of 1.
     root - u32::from(root * root > number)
 }

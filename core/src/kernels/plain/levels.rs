@@ -17,7 +17,7 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     [deviation, clipped]
 }
 
-/// Maximum number of pixels whose deviations have a sum of 16 bits: 257 * 255 = 65535.
+/// Maximum number of pixels whose sum of deviations surely fits in 16 bits: 257 * 255 = 65535.
 const PART: usize = 257;
 
 /// Copies `new` over `old`. Returns the maximum of `largest` and the absolute differences of the pixels.
@@ -29,7 +29,7 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     largest
 }
 
-/// Number of positions in a row for the left sample of a column.
+/// Number of positions in a row at which the left sample of a column can lie. Its right sample is one position further.
 pub(crate) const LEFT_SAMPLES: u16 = 512;
 
 /// A row of gray levels to sample, as 256 * level - [`BIAS`] in two's complement, with room for the last right sample.

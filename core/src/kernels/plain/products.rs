@@ -36,7 +36,8 @@ fn dot(cells: &[i8], weights: &[i16]) -> i32 {
     rolled_if_rare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
 }
 
-/// Adds the gradient of the error to `sums`: for each weight, the sum over all offsets of error * feature under it.
+/// Adds the gradient of the error to `sums`: for each weight, error * feature, summed over all offsets (x, y). The
+/// error is `errors[y][x]`, the feature the one under the weight with the filter at that offset.
 ///
 /// A piece of work is a row of errors. No sum overflows: 17^2 errors of at most 16383 reach 289 * 16383 * 128 < 2^31.
 #[inline(always)]

@@ -99,7 +99,8 @@ pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u3
     sum
 }
 
-/// Upper bound of the score of every patch with pixels from `low` to `high`. `None` as soon as it cannot reach `floor`.
+/// Upper bound of the score of every patch whose pixels lie between those of `low` and `high`. `None` as soon as the
+/// bound falls below `floor`.
 ///
 /// No pixel of `low` is above that of `high`. The difference of a pixel is its distance to the range between them: no
 /// patch in the range is closer. If `low` equals `high`, the bound is the score.
@@ -141,8 +142,8 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
-/// The score of the pixels of `template` on the zero padding around the frame. `seen` is the part of the template on
-/// the frame, in template coordinates, or empty.
+/// The score of those pixels of `template` that lie on the zero padding around the frame. `seen` is the part of the
+/// template on the frame, in template coordinates; it may be empty.
 #[cfg(smr_swar)]
 #[must_use]
 #[cfg_attr(smr_small, inline(never))]

@@ -80,7 +80,7 @@ macro_rules! beyond {
 fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sectors {
     const { assert!(COLUMNS < 256) };
     let [_, one, two, _, four, _] = DIRECTIONS;
-    // Pairs of a mirrored sector and the sector itself.
+    // Pairs of a sector's mirror image (index 0) and the sector itself (index 1).
     let mut sectors = [[0; 2]; 5];
     if at + SIDE <= COLUMNS {
         let above = lines.as_ptr().cast::<u8>().wrapping_add(at);

@@ -1,4 +1,4 @@
-//! Bilinear sampling of a row with one product for each column. The other loops are the plain ones.
+//! Bilinear sampling of a row with one product for each column. `deviation` and `replace` are the plain functions.
 
 use crate::kernels::plain::levels::{MixedRow, SampleWeights};
 use crate::kernels::unrolling::rolled;

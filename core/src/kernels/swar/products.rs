@@ -69,14 +69,14 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(pieces, &mut rows, both, out);
 }
 
-/// A row of cells, or the difference of two rows, by channel. `Layout::checked_height` has checked that all rows exist.
+/// Row of cells, or difference of two rows, channel by channel. `Layout::checked_height` ensures that all rows exist.
 struct Differences<'a> {
     cells: *const i8,
     stride: usize,
     numbers: *mut i16,
     width: usize,
     factors: *const i16,
-    /// The sum of the factors of each row.
+    /// Sums of the factors, one for each row of factors.
     totals: &'a [i32],
     /// Width of the filter in cells.
     across: usize,
@@ -212,7 +212,8 @@ pub(crate) fn gather<const N: usize>(
 }
 
 impl Slide<i16> {
-    /// Adds to `sums[i]` the dot product of each row's factors and numbers from `i` on. `total` is the sum of factors.
+    /// Adds to `sums[i]`, for each of the `rows`, the dot product of its factors and its numbers from `i` on, without
+    /// `NUMBER_BIAS`. `total` is the sum of the factors of all rows.
     ///
     /// # Safety
     /// `count` factors and `count + sums.len() - 1` numbers of each row can be read. Neither `count` nor `rows` is 0.

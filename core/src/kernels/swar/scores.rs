@@ -172,7 +172,7 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
             column([c, d, a, b], g.add(2));
             c = entries(f.add(3));
             column([d, a, b, c], g.add(3));
-            // The last three pixels are the first three of the next iteration.
+            // The last three frame pixels (`a` to `c`) are the first three of the next iteration.
             (f, g) = (f.add(OFFSETS), g.add(OFFSETS));
         }
         for _ in rolled(0..width % OFFSETS) {
@@ -356,7 +356,7 @@ fn sorted(a: u32, b: u32) -> (u32, u32) {
     (a - beyond, b + beyond)
 }
 
-/// The words of a slice that begins at a multiple of four; no words if it begins elsewhere.
+/// The whole words of a slice whose address is a multiple of four; no words for other addresses.
 fn words_mut(bytes: &mut [u8]) -> &mut [u32] {
     if bytes.as_ptr().addr().is_multiple_of(LANES) {
         // SAFETY: this many words lie in the slice, aligned, and a u32 may have any value.
@@ -475,7 +475,8 @@ struct Row {
 }
 
 impl Row {
-    /// Counts the template pixels of a row outside their ranges. With `SHIFTED` the row begins `shift` bits after `g`.
+    /// Counts pixels of a template row that are not in their ranges. With `SHIFTED` the row begins `shift` bits after
+    /// `g`.
     ///
     /// # Safety
     /// The words of the row can be read at `g`, with `SHIFTED` one more.

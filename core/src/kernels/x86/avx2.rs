@@ -1,4 +1,4 @@
-//! AVX2: 32 pixels in a vector. Compiled for AVX2, the plain loops of products compute eight in an instruction.
+//! AVX2: 32 pixels in a vector. The plain loops of products are compiled for AVX2: eight products in an instruction.
 
 use super::scores::{self, SEGMENT, Shuffle, narrow, narrow_lanes};
 use crate::kernels::generic::{self, Neighbours, Vector, intrinsics, scores};

@@ -28,7 +28,7 @@ pub(super) const SEGMENT: usize = 16;
 const SEGMENTS_A_HALF: usize = 8;
 
 /// Table segments for shuffles. In each half of the table, every segment after the first is stored as its xor with the
-/// segment before. For an index in segment k, the xor of the shuffles of the segments up to k is the entry.
+/// segment before. For an index in segment k of a half, the entry is the xor of the results of shuffles 0 to k.
 pub(crate) type Lookup<V> = generic::Lookup<V, SEGMENT, 16>;
 
 impl<V> Lookup<V> {
@@ -83,7 +83,7 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
     #[inline(always)]
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 16 * 8
     fn look_up_half<const COUNT: usize>(&self, first: usize, difference: V) -> (V, V) {
-        // Added to the differences, so that the last segment ends at 127 and larger differences have the top bit.
+        // Added to differences: those in the last of the `COUNT` segments end at 127; larger ones get the top bit.
         let up = SEGMENT * (SEGMENTS_A_HALF - COUNT);
         // SAFETY: `self` exists, so the processor has the instruction set.
         unsafe {
@@ -91,7 +91,7 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
             let mut planes = (V::shuffle(self.low[first], moved), V::shuffle(self.high[first], moved));
             let mut segment = 1;
             while segment < COUNT {
-                // Signed and saturating: a set top bit stays set, and differences below this segment get it.
+                // Signed saturating subtraction keeps a set top bit, and sets it for differences below this segment.
                 let index = V::lowered(moved, V::splat((up + SEGMENT * segment) as u8));
                 planes.0 = V::xor(planes.0, V::shuffle(self.low[first + segment], index));
                 planes.1 = V::xor(planes.1, V::shuffle(self.high[first + segment], index));
@@ -134,7 +134,8 @@ pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::is_above(V::load(lanes.as_ptr()), V::splat(31 - new)) }
 }
 
-/// Operand of [`narrow_lanes`]: 127 in `first` lanes (always in the mask), rising to 31 in `second`, then 0 (never).
+/// Operand of [`narrow_lanes`]: `first` lanes of 127 (always in the mask), `second` that rise to 31, then zeroes
+/// (never).
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];

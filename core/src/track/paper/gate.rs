@@ -1,4 +1,6 @@
-//! The gate: accepts or refuses the peak of a search, by its lead over the runner-up and by the contrast of its patch.
+//! The gate: accepts or refuses the peak of a search. The peak must exceed the runner-up enough and reach
+//! `least_ratio`. If `least_ratio` is above 0, a patch inside the frame must also have enough contrast and few clipped
+//! pixels.
 
 use super::config::{Config, Fraction};
 use super::search::{Peak, Peaks, Wanted};
@@ -10,11 +12,11 @@ use crate::track::State;
 use core::cmp::Ordering;
 
 impl Track {
-    /// True if the peak exceeds the runner-up enough for the target to enter `state`.
+    /// True if the peak exceeds the runner-up enough for the target to enter `state`, and reaches `least_ratio`.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn passes(&self, peaks: &Peaks, state: State, config: &Config) -> bool {
         let peak = peaks.peak.score;
-        // `None`: the runner-up is below the peak, and the decision does not depend on it.
+        // `None`: the decision does not depend on the runner-up, so 0 stands for it.
         let runner_up = peaks.runner_up.unwrap_or(0);
         let leads = peak.saturating_sub(runner_up) > u32::from(config.gate_lead) * u32::from(Table::ONE);
         let stands_out = leads || self.ratio(state, config).exceeded_by(peak, runner_up);
@@ -53,7 +55,8 @@ impl Track {
 }
 
 impl<const PIXELS: usize> Template<PIXELS> {
-    /// True if a patch with the contrast `is` can show the target: it has enough contrast, and few clipped pixels.
+    /// True if a patch, measured as `is`, can show the target: it has at least a quarter of the template's contrast,
+    /// and its clipped pixels exceed the template's by at most half of all pixels.
     pub(crate) fn is_shown_by(&mut self, is: Contrast) -> bool {
         if is.is_enough_for_any() {
             return true;
@@ -65,7 +68,8 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 }
 
-/// For each state of a target: (true if the first search includes the runner-up, true if a second one may follow).
+/// The searches of an update, for a tracked, a returning and a lost target: (true if the first search includes the
+/// runner-up, true if a second search, for the runner-up, may follow).
 pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
     let bounds = Rect::new(0, 0, 1, 1);
     let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];

@@ -8,7 +8,7 @@ use crate::track::saved::{Reader, Refusal, Saved, Writer, around};
 use crate::track::settings::Numbers;
 use crate::track::{Quality, RestoreError, SaveError, State};
 
-/// The size of the saved track and threshold in bytes.
+/// The size in bytes of the saved track and threshold together.
 const TRACK: usize = 24;
 
 /// The size in bytes of a saved target with a template of `pixels` pixels.
@@ -36,7 +36,7 @@ pub(super) fn save<const PIXELS: usize>(
     to.put(&[track.state.code(), track.edge.into()]);
     to.u16(track.quality.value());
     to.u16(template.threshold());
-    // `Image::rows` would compile to a division by the stride, with a panic if that is 0.
+    // Not `Image::rows`, which may compile to a division by the stride.
     (0..image.height()).for_each(|y| to.put(image.row(y)));
     Ok(to.finish())
 }

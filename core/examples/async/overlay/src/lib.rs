@@ -65,7 +65,7 @@ pub fn draw<D: DrawTarget>(
     let area = display.bounding_box();
     let Some(corner) = area.bottom_right() else { return Ok(()) };
     let left_or_above = bbox.right() <= area.top_left.x || bbox.bottom() <= area.top_left.y;
-    // Coordinates far outside the frame would overflow in embedded-graphics.
+    // Skips a box outside the display: coordinates far outside would overflow in embedded-graphics.
     if left_or_above || bbox.x > corner.x || bbox.y > corner.y {
         return Ok(());
     }

@@ -12,7 +12,7 @@ use camera::{HEIGHT, PIXELS, WIDTH};
 use smr_core::paper;
 use smr_core::readout::{Format, Readout};
 
-/// A target with at most 256 template pixels and a search window of +-12 (25 offsets per axis).
+/// A target with at most 256 template pixels and a search window of at most +-12 pixels (25 offsets per axis).
 type Target = smr_core::Paper<256, 25>;
 type Workspace = paper::Workspace<256, 25>;
 

@@ -1,5 +1,6 @@
-//! Upper bounds of scores by the DSP extension, to exclude offsets: the points (255 - difference) at four neighbouring
-//! offsets, and the count of template pixels that differ by the threshold or more at all offsets of a 4x4 group.
+//! Two bounds that exclude offsets without computing their scores, by the DSP extension. The first is the sum of points
+//! (255 - difference) at each of four neighbouring offsets. The second is the number of template pixels that differ by
+//! the threshold or more at all offsets of a 4x4 group.
 //!
 //! Both take seven instructions for four pixels. The score itself takes 17: two loads, three for the difference, four
 //! to extract bytes, four table loads and four additions.
@@ -28,11 +29,12 @@ use core::arch::asm;
 struct Memory {
     row: Row,
     words: usize,
-    /// In [`point_margins`]: the maximum points of a row, 255 a pixel. In [`outside_ranges`]: the [`entry_offset`].
+    /// Different in each loop. In [`point_margins`]: the maximum points of a row, 255 for each pixel. In
+    /// [`outside_ranges`]: the [`entry_offset`], which the assembly replaces by the address where the loop is entered.
     own: usize,
 }
 
-/// Adds the points of the four columns at `$from` to `$sum`: 255 - difference, or 0 beyond the threshold.
+/// Adds the points of the four patch pixels at `$from` to `$sum`: 255 - difference, or 0 from the threshold on.
 macro_rules! points {
     ($from:literal, $sum:literal $(, $without:literal)?) => {
         concat!(
@@ -155,7 +157,8 @@ macro_rules! outside_word {
 #[inline(never)]
 pub(super) unsafe fn outside_ranges(pair: &Rows, allowed: u32) -> u32 {
     let mut memory = Memory { row: Row::of(pair), words: words(pair), own: entry_offset(pair, CODE_OF_A_WORD) };
-    // The count starts at -`allowed` - 1 and reaches 0 once more than `allowed` pixels (of at most 65537) are outside.
+    // The count starts at -`allowed` - 1 and reaches 0 once more than `allowed` pixels are outside their ranges. A
+    // template has at most 65537 pixels.
     let start = !allowed.cast_signed();
     let mut sum = start;
     // SAFETY: only words within a row are read. Nothing but `memory` is written.

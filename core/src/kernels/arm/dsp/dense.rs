@@ -21,7 +21,7 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
     if !whole || rows(weights.len(), inputs) < count || rows(out.len(), count) < number {
         return plain::outputs(layer, patches, spare, out);
     }
-    // Room for two unpacked patches: four words hold four inputs of each.
+    // Room for two unpacked patches: an element of four words holds four inputs of the first and of the second patch.
     // SAFETY: all bit patterns are valid words.
     let (_, room, _) = unsafe { spare.align_to_mut::<[u32; 4]>() };
     let (mut from, mut to, mut left) = (patches.as_ptr(), out.as_mut_ptr(), number);
@@ -72,7 +72,7 @@ unsafe fn unpack(patches: *const i8, inputs: usize, room: *mut u32) {
     }
 }
 
-/// Remaining outputs of one patch or two. The assembly reads and updates this.
+/// State of the loop over the outputs of one patch, or of two at once. The assembly reads and updates it.
 #[repr(C)]
 struct RemainingOutputs {
     biases: *const [u8; 4],
@@ -87,7 +87,8 @@ struct RemainingOutputs {
     last: *mut i8,
 }
 
-/// Adds the products of four inputs of two patches and the weights of two outputs to the sums r0 to r3.
+/// Multiplies four inputs of each of two patches by the weights of two outputs. Adds the products to the sums of the
+/// two outputs: r0 and r1 for the first patch, r2 and r3 for the second.
 macro_rules! turn {
     () => {
         "ldr r6, [r11, r12]
@@ -161,7 +162,8 @@ impl RemainingOutputs {
                 turn!(),
                 "cmp r11, lr",
                 "bne 4b",
-                // Shifts, clamps, stores r0 to r3. For one patch (`apart` 0), r0 and r1 replace the outputs of r2, r3.
+                // Shifts, clamps and stores r0 to r3. For one patch (`apart` 0), r0 overwrites r2 in memory, and r1
+                // overwrites r3.
                 "6:",
                 "ldr r6, [sp, #8]",
                 "add r11, r11, r12",

@@ -1,4 +1,5 @@
-//! Gradients of a cell by the DSP extension: `smusd` computes how far one is beyond a direction: cos * |y| - sin * |x|.
+//! Gradients of a cell by the DSP extension. `smusd` computes cos * |y| - sin * |x|: how far a gradient lies beyond a
+//! direction.
 
 use crate::kernels::layout::{CELL, CHANNELS, SIDE};
 use crate::kernels::plain::gradients::DIRECTIONS;
@@ -31,7 +32,8 @@ macro_rules! features {
 }
 
 /// Adds the gradient of a pixel to its sector; r11 becomes the sector's index minus 4. `$pixel` holds |y| in the low
-/// and |x| in the high 16 bits. The top bit of byte `$byte` of r8 is set if x and y differ in sign: mirrored sector.
+/// and |x| in the high 16 bits. If x and y differ in sign, the top bit of byte `$byte` of r8 is set, which selects the
+/// mirrored sector.
 macro_rules! add {
     ($pixel:literal, $byte:literal) => {
         concat!(
@@ -89,8 +91,9 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Computes a channel sum from two or three sectors, each with the index of its direction in `TABLE`. Stores it, moves
-/// r3 to the next channel, and adds its square to r10.
+/// Computes a channel sum from two or three sectors. The number after each sector is the index in `TABLE` of the
+/// direction to multiply it by. Stores 1/64 of the sum, adds the square of 1/256 of it to r10, and moves r3 by r8 bytes
+/// to the next channel.
 macro_rules! sum {
     ($first:literal $at:literal, $second:literal $to:literal $(, $third:literal $by:literal)?) => {
         concat!(

@@ -80,7 +80,7 @@ macro_rules! columns {
 }
 
 /// Samples columns as `plain::levels::mix` does. `smlad` weights and adds two samples in one instruction. It multiplies
-/// signed numbers, so the numbers of a row are stored minus 2^15.
+/// signed numbers, so `row` stores 256 * level - 2^15.
 ///
 /// # Safety
 /// Each number in `from` is less than twice [`LEFT_SAMPLES`](crate::kernels::plain::levels::LEFT_SAMPLES).

@@ -192,7 +192,8 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
     }
 }
 
-/// Unpacks a channel of two rows of `width` cells to pairs: the rows `first`, minus the rows `second` unless `whole`.
+/// Unpacks a channel of two rows of `width` cells to pairs of 16-bit numbers, one from each row. Takes the rows
+/// `first`, and subtracts the rows `second` unless `whole`.
 ///
 /// # Safety
 /// A byte of `width` cells can be read from each row, and as many words written. `width` is not 0.
@@ -274,8 +275,8 @@ pub(crate) fn gather<const N: usize>(
                 }
             }
         }
-        // A row index beyond the last row of cells reads the last row. Its products cancel: `both` adds them, `upper`
-        // and `lower` subtract them.
+        // An index beyond the last row of cells reads the last row instead. The products of that row cancel: the sum
+        // `both` adds them, and the sums `upper` and `lower` subtract them.
         let channel_of = |row: usize| cells.as_ptr().wrapping_add(row.min(down + span - 2) * stride + channel);
         for number in 0..(rows + offsets) / 2 {
             let of = |row| channel_of(4 * number + row);
@@ -334,8 +335,9 @@ macro_rules! add {
     };
 }
 
-/// Defines a function that adds products to n sums: of each row first `count % 4` factors, then four at a time. Reloads
-/// the numbers in between. Decrements its counter of factors while it would wait for the first load.
+/// Defines a function that adds products to n sums. In each row, it takes first `count % 4` factors, then four at a
+/// time. It loads the first numbers (`$window`) again after each step before the fours. Decrements the counter of
+/// factors where it would otherwise wait for the first load of a four.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {
@@ -375,7 +377,7 @@ macro_rules! slide {
                         $store,
                         "add sp, sp, #16",
                         inout("r0") sums => _,
-                        // Bytes from the end of the numbers read in a row to the next row.
+                        // Bytes from the end of the numbers that are read in one row to the start of the next row.
                         inout("r5") WORD * width.wrapping_sub(count + $n - 1) => _,
                         inout("r8") factors.wrapping_add(rows * count) => _,
                         // The factor count less four: not negative, with the same two lowest bits.
@@ -397,8 +399,8 @@ macro_rules! count {
     };
 }
 
-/// Adds the products of two factors (r6 and r7) to two sums. r5 holds the number under the first factor of the first
-/// sum, afterwards the number two places further.
+/// Adds the products of two factors (r6 and r7) to two sums (r0 and r1). On entry, r5 holds the number that is
+/// multiplied by r6 for r0. On exit, it holds the number two places further.
 macro_rules! two {
     ($move:literal; $between:expr) => {
         concat!(

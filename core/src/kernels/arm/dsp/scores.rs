@@ -31,7 +31,8 @@ impl Loops for Dsp {
 }
 
 /// Computes the lower ends and lengths of the pixel ranges of 4x4 blocks, widened by `margin` on both sides. Does
-/// nothing for fewer than four blocks, because templates of fewer than four columns have no bound.
+/// nothing for fewer than four blocks: only templates of fewer than four columns have so few, and no bound is computed
+/// for those.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let blocks = blocks(rows, low, span);
     if blocks < LANES {
@@ -124,7 +125,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
             words = in(reg) words(pair),
             row = in(reg) &raw const row,
             entries = in(reg) entries,
-            // The largest possible score of a row, including the score of the zeroes that are shifted in.
+            // The largest possible score of a row. The zeroes shifted into its last word count as equal pixels.
             full = in(reg) plain::full(pair.width.next_multiple_of(LANES)),
             floor = in(reg) floor,
             reachable = inout(reg) reachable,

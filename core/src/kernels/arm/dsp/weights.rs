@@ -81,8 +81,9 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
     }
 }
 
-/// Subtracts `slope * length / 2^back`, rounded, from each weight, except where that overflows an `i32`. This loop
-/// divides by 2^32. If `back` is more than 32, or a change may not fit in an `i32`, the plain loop runs.
+/// Subtracts `slope * length / 2^back`, rounded, from each weight, unless the difference overflows an `i32`. The
+/// assembly scales `length` so that it can divide by 2^32. If `back` is more than 32, or the change of a weight may not
+/// fit in an `i32`, the plain loop runs.
 pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) {
     let count = weights.len().min(slopes.len());
     if count == 0 || back > 32 || length.unsigned_abs() >> (15 + back) != 0 {

@@ -22,7 +22,7 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// Layout of the rows of pictures with at least four columns.
+    /// Returns the layout of the rows of `pair`, two pictures with at least four columns.
     #[inline(always)]
     #[allow(clippy::cast_possible_truncation)] // a word has 32 bits
     pub(super) fn of(pair: &Rows) -> Self {
@@ -43,7 +43,8 @@ pub(super) fn words(pair: &Rows) -> usize {
     pair.width - pair.width % LANES
 }
 
-/// Bytes of code that the first round of a loop, unrolled to four words, skips if the word count is no multiple of 4.
+/// Bytes of code to skip in the first round of a loop that is unrolled to four words, with `bytes` of code for each
+/// word. So if the word count is no multiple of 4, the first round processes its remainder modulo 4.
 #[inline(always)]
 pub(super) fn entry_offset(pair: &Rows, bytes: usize) -> usize {
     (pair.width / LANES).wrapping_neg() % 4 * bytes

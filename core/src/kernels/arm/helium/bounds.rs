@@ -1,13 +1,14 @@
-//! Upper bounds of scores by Helium, to exclude offsets: the points (255 - difference) at four neighbouring offsets,
-//! and the count of template pixels that differ by the threshold or more at all offsets of a 4x4 group: outside the
-//! range of their 4x4 block, widened by threshold - 1 on both sides and stored as lower end and length.
+//! Upper bounds of scores by Helium, to exclude offsets: from the points (255 - difference) at four neighbouring
+//! offsets, or from the count of template pixels outside their ranges for a group of 4x4 offsets. A range holds the 4x4
+//! pixels that a template pixel meets at these offsets, widened by threshold - 1 on both sides, and is stored as lower
+//! end and length. A pixel outside its range differs by the threshold or more at all 16 offsets.
 
 use super::super::points::{OFFSETS, Points};
 use super::{LANES, strides};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// Adds the points of the pixels at `$from` to `$sum`: 255 - difference, or 0 beyond the threshold.
+/// Adds the points of the pixels at `$from` to `$sum`: 255 - difference, or 0 from the threshold on.
 macro_rules! points {
     ($from:literal, $sum:literal) => {
         concat!(

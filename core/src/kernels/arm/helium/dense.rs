@@ -144,7 +144,7 @@ impl RemainingOutputs {
                 "ble 2b",
                 "cmp r9, #3",
                 "beq 4f",
-                // One or two outputs are left: goes back, and computes the last three of the row together.
+                // One or two outputs of a patch are left: goes back to compute its last three outputs together.
                 "ldrd r7, lr, [r6]",
                 "sub r7, r7, r9, lsl #2",
                 "str r7, [r6]",

@@ -6,7 +6,8 @@ use core::arch::asm;
 use core::mem::MaybeUninit;
 
 const LANES: usize = 4;
-/// Number of sectors: five, each between two neighbouring directions, and their five mirror images.
+/// Number of sectors: five for gradients whose x and y have equal signs, each between two neighbouring directions, and
+/// their five mirror images for gradients whose x and y differ in sign.
 const SECTORS: usize = 10;
 /// Lookup tables of the assembly, which depends on their offsets.
 #[repr(C, align(4))]
@@ -20,13 +21,14 @@ static TABLES: Tables = Tables(
         [191; 16],
         [79; 16],
         [105; 16],
-        // Sum of the indices of a sector and of its mirror image. Next row: byte offsets of pixels in `Memory::pixels`.
+        // For each of the 16 pixels, the index of a sector plus that of its mirror image. The last row: byte offsets of
+        // the pixels in `Memory::pixels`.
         [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
         [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
     ],
 );
-/// Factors of the vote for each direction, in the order 5 to 8, then 0 to 4. A vote takes two neighbouring entries of
-/// `Memory::sectors`, each with two factors: one for the packed number |y| + 65,536 |x|, and one for |x|.
+/// Factors of the votes for directions 5 to 8, then 0 to 4. A vote adds up two neighbouring entries of
+/// `Memory::sectors`, each with two factors: one for its packed number |y| + 65,536 |x|, and one for its |x|.
 static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
     const fn distance(beyond: bool, (cos, sin): (i32, i32)) -> [i32; 2] {
         if beyond { [cos, -sin - (cos << 16)] } else { [-cos, sin + (cos << 16)] }
@@ -49,8 +51,8 @@ static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
 #[repr(C, align(4))]
 #[allow(dead_code)] // the assembly reads it
 struct Memory {
-    /// Gradients of a row: `[pixel of a cell][kind][cell][byte]`. Kind 0: bytes |y| and |x|. Kind 1: sector index and
-    /// zero.
+    /// Gradients of a row of pixels: `[pixel of a cell][kind][cell][byte]`. The bytes of kind 0 are |y| and |x|. Those
+    /// of kind 1 are the index of a pair `[|y|, |x|]` in `sectors`, and zero.
     pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
     /// Sums `[sector][cell][|y|, |x|]`: first sectors 4 to 0 of gradients whose x and y differ in sign, then sectors 0
     /// to 4 of those with equal signs, so that two sectors next to each other vote for a common direction.
@@ -179,8 +181,9 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vadd.i16 q6, q6, q1",
                 "vstrh.32 q6, [r0]",
                 "sub r0, r0, #4 * {row}",
-                // Sector 4 and its mirror image vote for directions 4 and 5: with equal factors of |y| and opposite
-                // factors of |x|. So the sums of both are set to (|y| + mirrored |y|, |x| - mirrored |x|).
+                // Sector 4 and its mirror image both vote for directions 4 and 5, with equal factors of |y| and
+                // opposite factors of |x|. So each of the two sums is replaced by the sum of both |y|, and |x| of
+                // sector 4 minus |x| of the image.
                 "vldrw.u32 q0, [r11]",
                 "vldrw.u32 q1, [r11, #144]",
                 "mvn r2, #0",

@@ -38,7 +38,7 @@ pub(crate) fn responses<const N: usize>(
         let from = cells.as_ptr().wrapping_add(y * stride);
         let mut x = 0;
         while x < span {
-            // As few blocks of offsets as possible, of similar size. The last block may overlap the one before it.
+            // Divides the offsets into as few blocks as possible, of similar size. The last may overlap the one before.
             let width = match span - x {
                 0..=3 => 3,
                 4 | 5 | 8..=10 | 15 => 5,
@@ -64,7 +64,7 @@ pub(crate) fn responses<const N: usize>(
 #[repr(C)]
 struct Rows {
     width: usize,
-    /// Bytes from the end of the last vector of a row to the next row, of cells and of weights.
+    /// Bytes from the end of a row's last vector to the next row: first in the cells, then in the weights.
     cells: usize,
     weights: usize,
 }
@@ -144,7 +144,8 @@ impl Rows {
     }
 }
 
-/// Multiplies eight errors of a row by the bytes at six offsets, or at seven.
+/// Adds the products of eight errors of a row and the bytes under them to the sum of each of six neighbouring offsets,
+/// or of seven if `seven` is 1.
 macro_rules! eight {
     () => {
         "vldrh.u16 q0, [r3], #16
@@ -168,9 +169,10 @@ macro_rules! eight {
 }
 
 impl Rows {
-    /// Computes the sums of [`Rows::seven`], or of [`Rows::six`] if `SEVEN` is 0, for errors in a square block. Its
-    /// rows begin every `N` errors, the rows of bytes every `apart` bytes. 9 or 17 errors in a row are one or two
-    /// vectors and a last error. The last errors of all rows are processed as a column, which fills lanes better.
+    /// Computes the sums of [`Rows::seven`], or of [`Rows::six`] if `SEVEN` is 0, for a square block of errors. A row
+    /// of the block begins every `N` errors, a row of bytes every `apart` bytes. A row of 9 or 17 errors consists of
+    /// one or two vectors of eight, and one last error. The last errors of all rows are processed as a column, which
+    /// fills lanes better.
     ///
     /// # Safety
     /// All these errors can be read, and the bytes under them at seven offsets. Seven sums can be written.

@@ -76,7 +76,7 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
 }
 
 /// Multiplies each slope by three 16-bit parts of the length in turn, from the lowest on. Each product, shifted right
-/// by 16, is added to the next one. Outside of these limits the plain loop runs:
+/// by 16, is added to the next one. Beyond the limits in this list the plain loop runs:
 ///
 /// - The first two products fit in an `i32` for any slope, the third if the length is below 2^47.
 /// - The changes fit in an `i32` if the length is below 2^(15 + back).

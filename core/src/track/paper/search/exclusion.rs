@@ -23,9 +23,9 @@ pub(super) const SIDE: usize = 4;
 const WORD: usize = 4;
 
 pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
-    /// The minima of the blocks, row by row, in the first half; their maxima in the second half.
+    /// The ranges of the frame's blocks, row by row: minima in the first half of the buffer, maxima in the second.
     bytes: Aligned4<PIXELS>,
-    /// The upper bound of the scores in each group of the tile; 0 if the group is excluded.
+    /// The upper bound of the scores in each group of the present tile; 0 if the group is excluded.
     bounds: [[u32; 3]; SPAN],
     shape: Shape,
     remaining: Remaining,
@@ -34,16 +34,16 @@ pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
 #[repr(align(4))]
 struct Aligned4<const BYTES: usize>([u8; BYTES]);
 
-/// The division of a window into tiles and passes, for one size of template and window.
+/// The division of a window into tiles, and the number of passes over each tile, for one size of template and window.
 #[derive(Clone, Copy)]
 struct Shape {
     /// Size of the template in pixels.
     width: usize,
     height: usize,
-    /// Size of the largest tile in offsets.
+    /// Columns and rows of the largest tile, in offsets.
     columns: usize,
     rows: usize,
-    /// 0, 1 or 2: a pass over a tile covers every row of ranges, every second or every fourth.
+    /// Log2 of the passes over a tile, 0, 1 or 2: each pass covers every row of ranges, every second or every fourth.
     log2_passes: u32,
 }
 
@@ -130,8 +130,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Tile { column, row, columns, rows }
     }
 
-    /// Upper bound of the comparisons for bounding all groups of a window: 2 for each range of each tile, and for each
-    /// group the template's pixels and 2 + (number of passes) words of working memory.
+    /// Upper bound of the comparisons for bounding all groups of a window: 2 for each range of each tile; for each
+    /// group, 1 for each template pixel and 1 for each of the 2 + (number of passes) words of working memory read.
     pub(super) fn most(window: (usize, usize), (width, height): (u16, u16)) -> u64 {
         let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
         let pixels = usize::from(width) * usize::from(height);
@@ -169,7 +169,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Some(Tile { column: tile.column + column, row: tile.row + row, columns, rows })
     }
 
-    /// The rows of ranges that a pass needs for `rest`, a part of `tile`: index i is row `pass` + i * `passes()`.
+    /// Indices of the rows of ranges that a pass needs for `rest`, a part of `tile`: index i stands for the tile's row
+    /// of ranges `pass` + i * `passes()`.
     pub(super) fn rows(&self, tile: &Tile, rest: &Tile, pass: usize) -> Range<usize> {
         let first = rest.row - tile.row;
         let [first, end] = [first, first + self.shape.rows_of(rest.rows)]
@@ -255,7 +256,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         scorer: &Scorer<'_>,
     ) -> u32 {
         let (column, row) = tile.group(group);
-        // The first row of the template in this pass, and the start of the ranges that it is compared with.
+        // This pass's first row of the template, and the index at which the ranges for that row start.
         let passes = self.passes();
         let first = pass.wrapping_sub(row) & (passes - 1);
         let stride = self.shape.stride_of(tile.columns);
@@ -268,7 +269,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let is_whole = cfg!(not(smr_small)) && passes == 1; // saves a division
             let template = if is_whole { template } else { template.every(first, passes)? };
             let pixels = u32::from(template.width()) * u32::from(template.height());
-            // `bound` still counts this pass's rows as fully similar: replaces their share by the bound of their score.
+            // `bound` still counts this pass's rows as fully similar: puts an upper bound of their score instead.
             let others = *bound - pixels * u32::from(Table::ONE);
             let score = scorer.bound(&blocks, template, needed.saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
@@ -297,7 +298,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 }
 
 impl Shape {
-    /// The largest tiles of at most `groups` groups and `capacity` bytes of ranges; `None` if none fits or `pays`.
+    /// The division into the largest tiles, found by halving, that have at most `groups` groups and `capacity` bytes of
+    /// ranges. `None` if no tile fits or the ranges of the fitting one cost too much (`pays`).
     fn of(template: (u16, u16), (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
         let (width, height) = (usize::from(template.0), usize::from(template.1));
         let mut shape = Self { width, height, columns, rows, log2_passes: 0 };
@@ -316,7 +318,7 @@ impl Shape {
         None
     }
 
-    /// The sizes in offsets of the tiles on an axis of `all` offsets; `most` is the largest size: see [`Ranges::tile`].
+    /// Sizes of the tiles along an axis of `all` offsets, in offsets; `most` is the largest size: see [`Ranges::tile`].
     fn sides(&self, most: usize, all: usize) -> impl Iterator<Item = usize> + Clone {
         (0..all).step_by(most.max(1)).map(move |from| most.min(all - from).max(SIDE.min(all)))
     }
@@ -356,8 +358,8 @@ fn tile_extent(from: usize, most: usize, all: usize) -> (usize, usize) {
 }
 
 /// True if further passes over a group are worthwhile after `done` of `passes` passes: its `bound` still reaches
-/// `needed`, but would fall to `needed` or below if all passes lowered it by 5/4 of the mean of the passes done. Other
-/// groups are bounded no further, so a search that can exclude nothing stops bounding after the first pass.
+/// `needed`, but would end at `needed` or below if each pass, done or not, took 5/4 of the mean loss of those done.
+/// Other groups get no more passes, so a search that can exclude nothing stops bounding after the first pass.
 fn is_promising(bound: u32, needed: u32, area: u32, done: usize, passes: usize) -> bool {
     // The loss of score, divided by 32 so that 20 times a loss fits a `u32`.
     let lost = |score: u32| (area * u32::from(Table::ONE)).saturating_sub(score) >> 5;

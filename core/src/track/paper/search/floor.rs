@@ -17,7 +17,8 @@ pub(super) struct Leaders<const SPAN: usize> {
     maxima: Maxima<SPAN>,
 }
 
-/// A search's second goal and its progress: none, an equal score outside the peak's neighbourhood, or the runner-up.
+/// The goal of a search besides the peak, and the progress towards it: nothing; whether an offset outside the peak's
+/// neighbourhood scores as much as the peak; or the runner-up.
 #[derive(Clone, Copy)]
 enum SecondGoal {
     Nothing,
@@ -46,7 +47,8 @@ impl Equals {
         (self.top, self.bottom) = (self.top.min(other.y), self.bottom.max(other.y));
     }
 
-    /// True if one of the offsets of equal score is outside the peak's neighbourhood, whichever of them is the peak.
+    /// True if two of the offsets are more than 2 * neighbourhood apart (in x or in y): so whichever offset is the
+    /// peak, one of the two is outside its neighbourhood.
     fn are_apart(&self) -> bool {
         self.right.abs_diff(self.left).max(self.bottom.abs_diff(self.top)) > 2 * u32::from(self.neighbourhood)
     }

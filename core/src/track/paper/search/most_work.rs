@@ -64,7 +64,7 @@ impl Extent {
     }
 
     /// Upper bound of the comparisons by which a step exceeds its grant: one offset, group or row of ranges, whichever
-    /// takes the most, plus 7 * `SPAN` words.
+    /// takes the most, plus 1 for each of 7 * `SPAN` words of working memory read.
     pub(crate) fn most_beyond_a_step<const SPAN: usize>(&self) -> u32 {
         let row = 2 * (wide(self.window.0) + u64::from(self.template.0)).saturating_sub(wide(SIDE));
         let most = self.pixels().max(row) + 7 * wide(SPAN);

@@ -23,7 +23,8 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     pub(super) place: Place,
     pub(super) descent: Descent,
     pub(super) pruning: bool,
-    /// Bit mask of the offsets that can change the result, in the present row of a group: see [`Scorer::candidates`].
+    /// Bit mask of the 4 offsets in a group's present row: set if the offset can change the result. See
+    /// [`Scorer::candidates`].
     pub(super) candidates: u8,
     /// The budget of the present step, in comparisons.
     pub(super) granted: u32,
@@ -37,7 +38,7 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
 #[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 pub(super) enum Stage {
     Done,
-    /// Computes the SAD of the last position.
+    /// Computes the SAD at the box's last position, the centre of the window.
     LastPosition,
     Descent,
     Scouts,
@@ -53,7 +54,7 @@ pub(super) enum Stage {
 
 /// The position of a search within its present stage.
 pub(super) struct Place {
-    /// The first offset of the present tile; the present offset if the window is not divided into tiles.
+    /// The present tile's first offset that no earlier tile contains; without tiles, the present offset.
     pub(super) column: usize,
     pub(super) row: usize,
     /// Index of the next neighbour, scout, row of ranges, or group, depending on the stage.
@@ -64,7 +65,8 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The start of the tile at (`column`, `row`) of the window; that offset itself if the window has no tiles.
+    /// The place at offset (`column`, `row`) of the window, with all indices 0: the start of a tile, or, if the window
+    /// has no tiles, an offset to be scored.
     pub(super) const fn tile(column: usize, row: usize) -> Self {
         Self { column, row, next: 0, offset: 0, pass: 0 }
     }

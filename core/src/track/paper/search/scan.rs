@@ -67,7 +67,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// Scores the next of nine scouts: corners, edge middles and centre of the window. Two scouts far enough apart set
-    /// a floor for the runner-up. Only in windows of 288 offsets or more, of which nine scouts are at most 1/32.
+    /// a floor for the runner-up. Windows of fewer than 288 offsets have no scouts, so the nine are at most 1/32 of the
+    /// offsets.
     fn scout(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
         let number = self.place.next;
@@ -107,15 +108,15 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Compares the SAD of the next neighbour. After the last neighbour, moves to the position of the least SAD and
-    /// halves the step. When the step is 0, scores the position instead.
+    /// Compares the SAD of the next neighbour with the least SAD so far. After the last one, moves to the position of
+    /// the least SAD and halves the step. Once the step is 0, scores that position and ends the descent.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn descend(&mut self, scene: &Scene<'_>) {
         let Descent { x, y, best, best_sad, step } = self.descent;
         if step == 0 {
             self.score(scene, x, y);
             if self.leaders.needed() == 0 {
-                // If all offsets score 0, the last position must be the peak, so it is scored before any exclusion.
+                // If all offsets score 0, the box's last position must be the peak, so scores it before any exclusion.
                 let (x, y) = scene.window.centre();
                 self.score(scene, x, y);
             }

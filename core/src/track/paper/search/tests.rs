@@ -137,7 +137,8 @@ impl Case {
     fn most_work(&self) -> u64 {
         let (columns, rows) = self.window.size();
         let (offsets, pixels) = ((columns * rows) as u64, u64::from(self.template.0) * u64::from(self.template.1));
-        // Factor 9/8: all offsets, 1/16 for ranges, 1/32 for descent, 1/32 for scouts. Then all groups and 3 scores.
+        // Scoring every offset, times 9/8: 1/16 more for ranges, 1/32 for the descent, 1/32 for scouts. Then one bound
+        // for each group, and 3 more scores.
         let groups = (columns.div_ceil(4) * rows.div_ceil(4)) as u64;
         // Words of working memory that are read: each maximum twice, each group at most 8 times.
         let words = 2 * (columns + rows) as u64 + 8 * groups;
