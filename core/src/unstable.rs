@@ -45,13 +45,14 @@ pub fn response_map(
     target.response_map(workspace, frame)
 }
 
-/// The correlation filter's response at the last answer, in units of 1/16384; about 1.0 if the target looks as before.
+/// The correlation filter's response on which the last answer is based, in units of 1/16384, with the distance penalty:
+/// about 16,384 if the target looks as before, 0 after a lock.
 #[must_use]
 pub const fn response(workspace: &Workspace) -> i32 {
     workspace.response()
 }
 
-/// The search window of the next update of the paper's tracker; `None` before the first lock.
+/// The box positions that the next update of the paper's tracker searches; `None` before the first lock.
 #[must_use]
 pub fn offsets<const PIXELS: usize, const SPAN: usize>(target: &Paper<PIXELS, SPAN>) -> Option<Window> {
     target.offsets()
@@ -68,7 +69,8 @@ pub fn score_of<const PIXELS: usize, const SPAN: usize>(
     target.score_at(frame, x, y)
 }
 
-/// The peak and the runner-up of the last search, even if the gate refused the peak; `None` during a search.
+/// The peak and the runner-up of the last search, even if the gate refused the peak; `None` before the first search,
+/// and while one is unfinished.
 #[must_use]
 pub fn peaks<const PIXELS: usize, const SPAN: usize>(workspace: &paper::Workspace<PIXELS, SPAN>) -> Option<Peaks> {
     workspace.peaks()

@@ -1,4 +1,5 @@
-//! Tests of the public interface: rules of the paper's tracker that recordings rarely exercise, and the README's table.
+//! Tests of the public interface: rules of the paper's tracker that recordings rarely exercise, and the README's memory
+//! sizes.
 
 use smr_core::paper::{Config, Margins, Workspace};
 use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, State, Tracker, robust};
@@ -56,7 +57,8 @@ fn update(tracker: &mut Follower, seed: u32, places: &[(i32, i32)]) -> Answer {
     tracker.update(&frame(&picture(seed, places))).expect("a frame of the same size")
 }
 
-/// Updates with the target at `place`. Returns true if the template then contains the target's first pixel.
+/// Updates the tracker with a frame that has the target at `place`. Returns true if the template was updated from this
+/// frame: its top left pixel, which depends on `seed`, is then the target's.
 fn learns(tracker: &mut Follower, seed: u32, place: (i32, i32)) -> bool {
     let answer = update(tracker, seed, &[place]);
     assert_eq!((answer.bbox, answer.state), (at(place), State::Tracking));
@@ -66,7 +68,8 @@ fn learns(tracker: &mut Follower, seed: u32, place: (i32, i32)) -> bool {
 
 #[test]
 fn the_template_is_updated_only_inside_the_zone() {
-    // Places on both sides of each limit: x >= 20, y >= 20, x + 12 < 90 - 1, y + 12 < 70 - 1.
+    // Places on both sides of each limit of the zone: x >= 20, y >= 20, x + 12 < 90 - 1, y + 12 < 70 - 1 (boxes of
+    // 12x12 pixels, frames of 90x70).
     let places = [(20, 20), (19, 20), (20, 19), (76, 56), (77, 56), (76, 57), (30, 30), (19, 56), (76, 19)];
     let mut tracker = locked(Config::paper(), (40, 30));
     for (seed, place) in (2..).zip(places) {
@@ -84,7 +87,8 @@ fn a_camera_updates_up_to_the_edge() {
     }
 }
 
-/// The tracker searches the runner-up only if the gate's ratio is above 1, so a runner-up shows which gate applied.
+/// Of the paper's gates only `gate_tracking` has a ratio of at most 1, at which the tracker reports no runner-up below
+/// the peak. So a runner-up in an answer shows that another gate applied.
 #[test]
 fn returning_takes_more_until_a_lost_target_is_found_again() {
     let mut tracker = locked(Config::paper(), (10, 30));
@@ -218,7 +222,8 @@ fn two_gray_levels_of_light_after_a_still_scene_do_not_move_the_box() {
     assert_ne!(paper[1], (TARGET, State::Tracking));
 }
 
-/// With `least_threshold` 0 hardly any pixel matches. `least_ratio` refuses the accidental peak.
+/// With `least_threshold` 0 hardly any pixel matches after a change of light, so the peak is accidental. `least_ratio`
+/// refuses such a peak.
 #[test]
 fn a_peak_of_a_few_pixels_is_not_accepted() {
     let config = with(Config::camera(), |config| config.least_threshold = 0);

@@ -21,7 +21,7 @@ from refiner_training.tracked import HostSim
 
 TARGET = Path(__file__).resolve().parents[2] / "target"
 OTHER = {"a": "b", "b": "a"}
-# Numbers of samples for the report, with another seed than the training samples.
+# Numbers of samples for the report. They are drawn with another seed than the samples for training.
 REPORT_PAIRS, REPORT_CUTOUTS = 4000, 2000
 
 
@@ -116,7 +116,8 @@ def halves(found, sources, half):
 
 def trained(chosen, sources, folder):
     """Draws samples and trains on them; returns the integers of the weights."""
-    # Imported here, because JAX takes a second to load, which sample processes and bad input do not need.
+    # Imported here, because JAX takes a second to load, and neither the processes that draw samples nor the checks of
+    # the input need JAX.
     from refiner_training import fit, network
 
     drawn = samples.draw(sources, chosen.pairs, chosen.cutouts, chosen.seed, folder, chosen.processes)

@@ -14,7 +14,7 @@ export function checkOptions(options = {}) {
   return object(options, "the options", "an object");
 }
 
-/** Overwrites the preset at address `config` with all `options` that are not undefined. Returns all options by name. */
+/** Overwrites the preset at `config` with the options that are not undefined. Returns all its options by name. */
 export function useOptions(library, config, method, options) {
   const [given, known] = [Object.entries(options).filter(([, value]) => value !== undefined), settingsOf(library, config)];
   for (const [name, value] of given) {

@@ -11,7 +11,7 @@ export { SmrError } from "./errors.js";
 /** The names of the states in an answer. */
 export const State = Object.freeze({ TRACKING: "tracking", LEAVING: "leaving", UNCERTAIN: "uncertain", LOST: "lost" });
 
-/** Minimum `quality` of a good target. A target below it can hardly be distinguished from its surroundings. */
+/** Minimum `quality` of a good target, in units of 1/65535: a poorer one can hardly be told from its surroundings. */
 export const POOR_QUALITY = 1023;
 
 // The states by their values in the C enum `smr_state`.
@@ -55,7 +55,7 @@ const CALL = struct({
 });
 // Memory for a flight record; the first five fields belong to the library.
 const SINK = struct({ write: u32, context: u32, entries: u32, flags: u32, tracker: u32, bytes: u32, size: u32, used: u32 });
-// Upper bound in bytes of a flight record's first entry, and of what an update adds to the record besides pixels.
+// Upper bound in bytes of a flight record's first entry; also of what one update adds to the record besides pixels.
 const MOST_AROUND = 1024;
 // Granularity in bytes of memory for windows, so that windows of changing size do not fragment the memory.
 const PIXELS_STEP = 65536;
@@ -284,7 +284,7 @@ export class Tracker {
     const lock = () => library.call("smr_lock", this.#at, library.at("frame"), library.at("box"));
     const [window] = this.#get("smr_lock_window", "windows", width, height, library.at("box"));
     try {
-      // First tries with one pixel of the frame, so that invalid arguments are refused before memory is allocated.
+      // First tries to lock with one pixel of the frame, to refuse invalid arguments before memory is allocated.
       library.write("frame", { width, height, parts: [{ ...NO_PART, pixels: library.at("head"), size: 1, stride: 1, width: 1, height: 1 }, NO_PART] });
       if (window.width * window.height > 1) {
         lock();
@@ -359,7 +359,7 @@ export class Tracker {
     return state === null ? null : { fineBox: this.#library.read("fine"), state: STATES[state] };
   }
 
-  /** Distinctness of the target from its surroundings at the lock; null without a target. */
+  /** Distinctness of the target from its surroundings at the lock, in units of 1/65535; null without a target. */
   get quality() {
     return this.#ask("smr_quality", "short");
   }
@@ -375,7 +375,7 @@ export class Tracker {
     return window?.width > 0 ? window : null;
   }
 
-  /** The template { width, height, pixels }; for a robust tracker that of the first frames. Null without a target. */
+  /** Template { width, height, pixels }: a robust tracker's is the slowly learned early one. Null without a target. */
   get template() {
     this.#live();
     // The template is read from a saved target, which contains it.
@@ -520,7 +520,7 @@ export class Tracker {
   // the windows with their pixels, which are valid until the next call.
   #show(given, windows) {
     const shown = windows.filter(({ width, height }) => width * height > 0);
-    // A frame that does not contain a window is smaller than the frame of the lock.
+    // Windows lie within the frame of the lock, so a frame that does not contain them is smaller than that frame.
     if (shown.some(({ x, y, width, height }) => x + width > given.width || y + height > given.height)) {
       throw new SmrError("SMR_ERROR_FRAME_SIZE_CHANGED");
     }

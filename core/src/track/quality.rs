@@ -3,7 +3,7 @@
 use crate::image::{Image, Rect};
 use crate::similarity::{Backend, CutTable, Scorer, Table};
 
-/// The quality of a target, which [`Target::lock`](crate::Target::lock) returns: its difference from a shifted copy.
+/// The quality of a target, from [`Target::lock`](crate::Target::lock): the target's difference from a shifted copy.
 ///
 /// quality = 1 - max(ratio(w / 4, 0), ratio(0, h / 4)), in units of 1/65535
 ///
@@ -24,7 +24,7 @@ pub struct Quality(u16);
 
 impl Quality {
     /// The limit below which a quality is poor. A flat target with noise of +-4 gray levels has a quality of about 700.
-    /// The two lowest among the first boxes of 90 recordings are 1128 (a face in the dark) and 16,866.
+    /// The two lowest qualities of the first boxes of 90 recordings are 1128 (a face in the dark) and 16,866.
     pub const POOR_BELOW: u16 = Table::ONE / 64;
 
     pub(super) const NONE: Self = Self(0);
@@ -39,7 +39,7 @@ impl Quality {
         Self(value)
     }
 
-    /// True if the target is hardly distinct. Choose a better box if there is one.
+    /// True if the target hardly differs from its shifted copy. Choose a better box if there is one.
     #[must_use]
     pub const fn is_poor(self) -> bool {
         self.0 < Self::POOR_BELOW

@@ -134,7 +134,7 @@ impl Tag {
     }
 }
 
-/// A target of either tracker, which a `Recorder` can record. [`Settings::of_numbers`] restores its configuration.
+/// A target of either tracker, for a `Recorder`. [`Settings::of_numbers`] restores the configuration from a record.
 pub trait Recorded: Target<Config: Settings> {
     /// The letter of the tracker in a record, `P` or `R`.
     const TRACKER: u8 = <Self::Config as Numbers>::KIND as u8;
@@ -209,7 +209,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     #[doc(hidden)]
     #[inline(never)] // one copy for both trackers
     pub fn lock_of(&mut self, frame: &Frame<'_>, locked: Rect, window: Rect) -> Result<(), E> {
-        // If the window is not in memory, the lock has failed and changed nothing.
+        // If the window is not in memory, the lock has failed and changed nothing: there is nothing to record.
         let Some(pixels) = frame.patch(window) else { return Ok(()) };
         self.entry(Tag::Lock, 20 + window.area(), |entry| {
             entry.size(frame);
@@ -230,8 +230,8 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// Records the pixels that the next update will read. Call it before [`Target::update`] or the first step. Writes
-    /// nothing if the update would fail.
+    /// Records the pixels that the next update will read. Call it before [`Target::update`] or before the update's
+    /// first step. Writes nothing if the update would fail.
     ///
     /// # Errors
     /// The writer's.
@@ -388,7 +388,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
     }
 }
 
-/// Writes to the log of defmt. `host-sim replay` finds the lines of the record in the printed log.
+/// Writes bytes of a record to the log of defmt, as one line. `host-sim replay` finds these lines in the printed log.
 ///
 /// ```rust,ignore
 /// let Ok(mut recorder) = Recorder::begin(tracker.target(), to_defmt);

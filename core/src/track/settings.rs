@@ -177,7 +177,7 @@ pub trait Numbers: Copy + Default {
     const KIND: Kind;
 
     fn numbers(&self) -> Self::Array;
-    /// Sets the table and all values, which are in their ranges.
+    /// Sets the table and all values. Each value must be in its range.
     fn put(&mut self, table: &'static Table, numbers: &Self::Array);
     fn table(&self) -> &'static Table;
     fn check_all(&self) -> Result<(), ConfigError>;

@@ -125,8 +125,8 @@ pub trait Target: Steps {
     fn quality(&self) -> Option<Quality>;
 
     /// Tells the tracker that the camera turned: what was at (x, y) in the last frame is expected at (x + `right`, y +
-    /// `down`) in the next, in units of 1/256 pixel. Box and search window move along, but stay on or near the frame.
-    /// [`Paper`](crate::Paper) rounds to whole pixels.
+    /// `down`) in the next, in units of 1/256 pixel. Box and search window shift by as much, but stay on or near the
+    /// frame. [`Paper`](crate::Paper) rounds the shift of each call to whole pixels.
     fn moved(&mut self, right: i32, down: i32);
 
     /// The number of bytes that [`Target::save`] writes; at most [`Target::SAVED_SIZE`].
@@ -135,8 +135,9 @@ pub trait Target: Steps {
     /// [`SaveError::NotLocked`].
     fn saved_size(&self) -> Result<usize, SaveError>;
 
-    /// Writes the target into `bytes` and returns the number of bytes written, [`Target::saved_size`]. The bytes are
-    /// the same on every platform: templates, track, and the configuration's values, which `restore` compares.
+    /// Writes the target into `bytes` and returns the number of bytes written, [`Target::saved_size`]. They are the
+    /// same on every platform, and hold the target's state and the configuration, which `restore` compares with its
+    /// own.
     ///
     /// # Errors
     /// [`SaveError`]. `bytes` are then unchanged.
@@ -176,7 +177,8 @@ pub(super) fn lockable(bounds: Rect, bbox: Rect) -> Result<(), LockError> {
     if bounds.contains(bbox) { Ok(()) } else { Err(LockError::BoxOutsideFrame) }
 }
 
-/// An option whose tag is 0 if empty, which `Option` does not guarantee: so a tracker in a `static` takes no flash.
+/// An option with a tag that is 0 when it is empty; `Option` does not promise that. So a new tracker can consist of
+/// zero bytes, and takes no flash as a `static`.
 #[derive(Clone, Copy, Debug)]
 #[repr(u32)]
 pub(super) enum Slot<T> {

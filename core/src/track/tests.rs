@@ -31,7 +31,8 @@ fn small_paper() -> paper::Config {
 const SIZE: (u16, u16) = (160, 120);
 const TARGET: Rect = Rect::new(60, 45, 24, 20);
 
-/// A frame with a target of tiles at (`x`, `y`), on a background of tiles of less contrast.
+/// A frame with a target at (`x`, `y`) of random gray 4x4 tiles, on a background of 9x9 tiles with a fifth of the
+/// contrast.
 fn picture(x: i32, y: i32) -> Vec<u8> {
     let hash = |x: i32, y: i32, seed: u32| {
         ((x.cast_unsigned().wrapping_mul(31) ^ y.cast_unsigned().wrapping_mul(57) ^ seed).wrapping_mul(2_654_435_761)
@@ -242,8 +243,8 @@ static OTHER_TABLE: Table = match Table::new(100) {
     Err(_) => panic!("in range"),
 };
 
-/// Checks that each value can be changed by its setting's name, that a record keeps the change, and that a target saved
-/// before the change is refused with that name.
+/// Checks that each value can be changed by its setting's name, that the numbers of a record keep the change, and that
+/// restoring a target saved before the change fails with that name.
 fn settings_have_names<T: Target<Config: Settings + Debug + PartialEq>>(config: T::Config) {
     let bytes = saved(of_scene::<T>(config).target());
     let refusal = |config| T::with(config).unwrap().restore(&bytes).unwrap_err();
@@ -275,7 +276,7 @@ fn settings_have_names<T: Target<Config: Settings + Debug + PartialEq>>(config: 
     assert_eq!(refusal(other).to_string(), text);
 }
 
-/// The values of a configuration in a record, without the table.
+/// The numbers that a record stores for a configuration, without the 256 entries of the similarity table.
 fn numbers_of<C: Settings>(config: &C) -> Vec<u16> {
     let mut numbers = vec![];
     recorded(config, |number| numbers.push(number));

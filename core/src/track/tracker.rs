@@ -175,7 +175,7 @@ impl<T: Target> Tracker<T> {
 
     /// An upper bound of the work of the present or last update or lock, in the units of [`Tracker::update_step`]: it
     /// includes comparisons that scoring skipped, and depends slightly on the steps. It saturates at `u32::MAX`, which
-    /// [`Paper`](crate::Paper) can reach in windows of more than 200x200 offsets.
+    /// [`Paper`](crate::Paper) can reach in two searches of 200x200 offsets with a template of 60,000 pixels.
     pub fn work(&self) -> u32 {
         T::work(&self.workspace)
     }

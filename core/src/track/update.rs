@@ -86,7 +86,7 @@ impl UnderWay {
         self.call = Call::Nothing;
     }
 
-    /// The bounds of the frame and the box of the lock under way; both empty if there is none.
+    /// The lock under way: the bounds of its frame, and the box to lock. Both are empty if no lock is under way.
     pub(super) const fn locking(&self) -> (Rect, Rect) {
         let Call::Lock([width, height], bbox) = self.call else {
             return (Rect::new(0, 0, 0, 0), Rect::new(0, 0, 0, 0));

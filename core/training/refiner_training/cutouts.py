@@ -21,7 +21,7 @@ FIRST_PASTED_SHARE = 0.3
 OTHER_RECORDING_SHARE = 0.5
 TRIES = 10
 UNIT = np.array([0.0, 0.0, 1.0, 1.0])
-# Pixels per side of a mask, which covers the box and the surroundings like a crop.
+# Pixels per side of a mask. A mask covers the same region as a crop: the box and its surroundings.
 MASK_SIDE = 64
 
 

@@ -13,9 +13,11 @@ DECAY = 2e-3  # of weights, times the learning rate
 MOMENTUM, SQUARES = 0.9, 0.999
 LARGEST_GRADIENT = 5.0
 UNROUNDED_SHARE = 0.25
-# The loss is quadratic in errors below this value, and linear in larger ones.
+# The loss is quadratic in errors of the correction below this value, and linear in larger errors. The errors are in
+# sides of the box (dx, dy) or in natural logarithms (width, height).
 SMOOTH = 0.03
-# Minimum and maximum of the learned log spreads, and the log spread at an output of 0.
+# Minimum and maximum of the log spreads that the network predicts for its errors, and the log spread at a network
+# output of 0.
 LEAST_SPREAD, MOST_SPREAD, SPREAD_AT_ZERO = -5.0, 1.0, -1.5
 
 

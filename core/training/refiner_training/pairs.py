@@ -5,14 +5,16 @@ Half of the pairs that begin in the first frame use the tracker's own box, if it
 
 from . import boxes, crops, offsets
 
-# Shares of pairs: with the first visible frame (as in tracking); with frames at any distance (else up to NEAR).
+# Share of pairs whose first frame is the first visible one, as in tracking, and share of pairs with any distance
+# between their frames, which includes the former. In all other pairs the frames are at most NEAR visible frames apart.
 FIRST_SHARE, FAR_SHARE = 0.4, 0.6
 NEAR = 60
 TRACKED_SHARE = 0.5
 LEAST_OVERLAP = 0.25
 # Random error around the tracker's box, so that two samples with the same box differ.
 AROUND_ANSWER = offsets.Spread(0.05, 0.03, 0.03)
-# Samples with a larger correction or a smaller box are not used.
+# Largest absolute element of a sample's correction, in sides of the wrong box or log ratios, and smallest side of the
+# wrong box, in pixels of the reduced frame. Samples beyond these limits are not used.
 LARGEST_CORRECTION = 0.75
 SMALLEST_SIDE = 3
 TRIES = 20

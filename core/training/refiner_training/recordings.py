@@ -16,7 +16,8 @@ from . import boxes
 from .errors import BadInput
 
 VIDEOS = {".mp4", ".mpg", ".mpeg", ".avi", ".mkv", ".webm"}
-# Frames are reduced until the first target has the area of a square of this side: then a crop is about as fine as the frame.
+# Frames are reduced until the target's first box has at most the area of a square with this side, in pixels. Each pixel
+# of its crop then covers at most 2.4 frame pixels, so the frame is little finer than the crop.
 TARGET_SIDE = 28
 
 

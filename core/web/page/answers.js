@@ -32,7 +32,7 @@ export class Answers {
     }
   }
 
-  /** Allows answers in frames before the frame `before` to be removed, now or later. */
+  /** Removes each target's answers before frame `before` once they span more than LEAST frames. */
   forget(before) {
     this.#targets.forEach((rows) => rows.forget(before));
   }
@@ -72,7 +72,7 @@ export class Answers {
     }
   }
 
-  /** Returns { last }, a function: `last("ratio")` lists that column's values in those frames that have an answer. */
+  /** Returns { last }, a function: `last("ratio")` lists the ratios of the answers in the frames `first` to `last`. */
   around(id, first, last) {
     const rows = this.#targets.get(id);
     const numbers = Array.from({ length: Math.max(last - first + 1, 0) }, (_, at) => first + at).filter((number) => rows?.state(number) !== undefined);
@@ -132,7 +132,7 @@ class Rows {
     this.version += 1;
   }
 
-  // Does nothing unless more than LEAST answers can be removed, because all arrays are moved.
+  // Does nothing unless more than LEAST frames can be removed, because a removal moves all arrays.
   forget(before) {
     if (before - this.first > LEAST) {
       this.#move(before, this.#states.length);

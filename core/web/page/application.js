@@ -274,7 +274,7 @@ function boxIn(target, number) {
 function drawn(target) {
   const found = boxOf(target);
   const isChosen = target === edits.chosen;
-  // A box that the user drags is drawn at its new position instead.
+  // Omits a box that the user drags, because it is drawn separately at its new position.
   if (found === null || (proposed !== null && pulled?.id === target.id)) {
     return [];
   }

@@ -1,6 +1,6 @@
 // Finds the codec of a video file that the browser cannot play, by the file's first or last bytes.
 
-// Bytes to search for the list of codecs, at the start and at the end of a file; phones write it at the end.
+// Number of bytes at a file's start and end that are searched for its codecs, which phones list at the end.
 const HEAD = 1 << 20, TAIL = 8 << 20;
 
 const HEVC = ["HEVC (H.265)", 'video/mp4; codecs="hvc1.1.6.L93.B0"'];
@@ -30,7 +30,7 @@ export async function lacking(file, video) {
   return name !== undefined && video.canPlayType(type) === "" ? name : null;
 }
 
-// In MP4 the codec's name is 16 bytes after the start of `stsd`. Names of audio codecs are not in `CODECS`.
+// In MP4 a codec's name is 16 bytes after the start of `stsd`. Audio codecs are skipped, as `CODECS` lacks them.
 function codecOf(bytes) {
   const all = [...bytes.matchAll(/stsd.{12}(.{4})/gs), ...bytes.matchAll(/(V_[A-Z0-9/_]+)/g)];
   return all.map(([, name]) => name).find((name) => CODECS[name] !== undefined);

@@ -43,7 +43,7 @@ async function copy(button, text) {
     await navigator.clipboard.writeText(text.textContent);
     button.textContent = "Copied";
   } catch {
-    // Without permission for the clipboard, selects the text, so that the user can copy it.
+    // If the clipboard is refused, selects the text and copies it by an older command, or leaves that to the user.
     getSelection().selectAllChildren(text);
     button.textContent = document.execCommand("copy") ? "Copied" : "Selected";
   }

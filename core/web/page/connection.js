@@ -10,8 +10,9 @@ export class Connection {
   #sending = Promise.resolve();
 
   /**
-   * Requests the facts about the source: name, size, `live`, the count of `frames`, their `times` in seconds or their
-   * `rate` if known, the targets, the method that tracks them, and the formats of files that can be saved.
+   * Requests the facts about the source: name, size, `live` (true for a camera or stream), the count of `frames`, their
+   * `times` in seconds or their `rate` in frames per second if known, the targets, the method that tracks them, and the
+   * formats of files that can be saved.
    */
   async open() {
     const source = await (await asked("source")).json();
@@ -108,7 +109,8 @@ export class Connection {
   }
 }
 
-// Loads answers in one of the ranges `parts`, preferably the one with frame `now`; removes the loaded frames from it.
+// Loads answers of one range in `parts`: from frame `now` on if a range contains it, else from the start of the first
+// range. Removes the loaded frames from `parts`.
 async function answersOf(parts, now) {
   const isHere = ([, first, last]) => first <= now && now <= last;
   const [part] = parts.splice(Math.max(parts.findIndex(isHere), 0), 1);

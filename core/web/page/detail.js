@@ -15,7 +15,7 @@ export class Detail {
     [this.#load, this.#came] = [load, came];
   }
 
-  /** Requests the visible part `seen` of a frame, if small enough, once the user has stopped moving the view. */
+  /** Requests the visible part `seen` of a frame once the view rests, if neither side of it exceeds `MOST_SIDE`. */
   want(number, seen, size) {
     const part = around(seen, size);
     const key = `${number} ${Object.values(part)}`;

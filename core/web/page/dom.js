@@ -9,7 +9,7 @@ function filled(node, attributes, children) {
   return node;
 }
 
-/** Returns a legend's sample line with the color and dashes of a method; for the curve of its runner-up, dotted. */
+/** Returns a legend's sample line in the color and dashes of `method`; dotted if `isSecond` (the runner-up's curve). */
 export function sample(method, isSecond = false) {
   const line = { class: `sample look-${method}${isSecond ? " second" : ""}`, viewBox: "0 0 52 6", "aria-hidden": "true" };
   return svgNode("svg", line, svgNode("path", { d: "M0 3H52" }));
@@ -33,7 +33,7 @@ export function fitted(canvas) {
   return { width, height };
 }
 
-/** Returns a function that tells if `node` is in or near the visible area. Calls `changed` when `node` gets there. */
+/** Returns a function that tells if `node` is in or near the visible area. Calls `changed` when `node` enters it. */
 export function inView(node, changed) {
   let isSeen = true;
   const observer = new IntersectionObserver(

@@ -2,12 +2,12 @@
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-// Count of key presses that move a box across the whole picture.
+// Number of presses of an arrow key that move a box by about the width of the picture.
 const STEPS = 64;
 // Distance in CSS pixels up to which a pointer grips an edge, larger for fingers.
 const REACH = { touch: 26, pen: 16 };
 const MOUSE_REACH = 10;
-// Shortest drag in CSS pixels; a shorter one is a click.
+// Longest movement of a pressed pointer, in CSS pixels, that is still a click and not a drag.
 const LEAST_DRAG = 3;
 
 export class Drag {
@@ -19,9 +19,10 @@ export class Drag {
   #box = null; // what is drawn
 
   /**
-   * `page` has: size() of the frame or null; view(), its visible part; start(), the first box when keys draw;
-   * propose(box or null); lock(box, grip), false to keep the box drawn; click(point); grip(point, reach), the box at
-   * the point and its gripped part (see `gripOf`) as { box, held }, or null.
+   * `page` has: size(), the frame's size or null; view(), the frame's visible part; start(), the box that the Enter key
+   * proposes; propose(box or null), which shows the box; lock(box, grip), which returns false to keep the box drawn;
+   * click(point); grip(point, reach), which returns { box, held }, the box at the point and its gripped part (see
+   * `gripOf`), or null.
    */
   constructor(canvas, page) {
     this.#canvas = canvas;
@@ -38,7 +39,7 @@ export class Drag {
     return this.#from !== null;
   }
 
-  /** Locks the target on the drawn box. */
+  /** Passes the drawn box, if any, to `page.lock`. */
   take() {
     if (this.#box !== null) {
       this.#lock(this.#box);

@@ -111,7 +111,7 @@ export class Edits {
     if (this.canUndo) {
       this.#change(this.#past.at(-1), this.#past.slice(0, -1), [...this.#future, this.targets]);
       this.#chosen = this.chosen?.id ?? this.targets.at(-1)?.id ?? null;
-      // If all changes are undone, ids start again at 1.
+      // If all changes are undone and no targets are left, ids start again at 1.
       this.#ids = this.canUndo || this.targets.length > 0 ? this.#ids : 0;
     }
   }
@@ -123,7 +123,7 @@ export class Edits {
     }
   }
 
-  /** Reverts the change that led to the list `targets`, because it was refused. A later change stays. */
+  /** Reverts the refused change that led to the list `targets`, unless the targets have changed again since. */
   takeBack(targets) {
     const step = this.#steps.findLast(({ after }) => after === targets);
     if (step === undefined) {

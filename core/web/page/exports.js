@@ -7,8 +7,9 @@ const ONE_TARGET = "holds one target only";
 const NO_BOX = "draw a box first";
 
 /**
- * Fills the menu. `formats` are { name, several: true if it stores several targets }, `films` the extensions of videos.
- * `take(format)` saves boxes; `make(what, options)` starts to write a video or report, undefined if that is impossible.
+ * Fills the menu. `formats` are the formats of boxes { name, several }, with `several` true if a file can store several
+ * targets; `films` are the file extensions of videos. `take(name)` saves boxes in a format. `make(what, options)`
+ * starts to write a video or report; `make` is undefined if neither can be written.
  */
 export function drawMenu(place, { formats, films }, { take, make }) {
   const boxes = formats.map(({ name, several }) => button(FORMATS[name] ?? name, { "data-several": several }, () => take(name)));
@@ -49,7 +50,7 @@ function drawProgress(line, { id, name, done }, cancel) {
   }
 }
 
-/** If boxes were saved before tracking was complete, shows the count of their frames, which is in the file's name. */
+/** If the file `name` was saved before tracking was complete, shows its number of frames, which its name states. */
 export function drawTaken(place, name) {
   const [, frames, all] = /-(\d+)(?:-of-(\d+))?-frames\.\w+$/.exec(name) ?? [];
   byId("taken")?.remove();

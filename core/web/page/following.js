@@ -207,7 +207,7 @@ export class Target {
     return before === undefined || before.box === null ? first : before.number;
   }
 
-  /** Stores and returns the row of a frame: an answer, or a lock's quality. If both are missing, the target is gone. */
+  /** Stores and returns a frame's row from an `answer` or a lock's `quality`; undefined if both are missing. */
   took(number, { answer, quality }, kept) {
     this.at = number;
     this.#isActive = answer !== undefined || quality !== undefined;

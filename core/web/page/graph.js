@@ -40,9 +40,10 @@ export class Graph {
 
   /**
    * Draws `charts` over the frames from `first` to `last`. A chart is { place, title, most, digits, lines } or { place,
-   * title, bands }, with `place` the element for it. A line or a band is { title, look, isSecond, numbers, values, read
-   * }: `values` has one entry for each frame in `numbers`, which ascend; `read(at)`, if given, formats value `at`.
-   * `now` is the frame to mark, `hidden` the ranges [first, last] to shade, `named(frame)` a frame's label on the axis.
+   * title, bands }: `place` is its parent element, `most` the upper end of the axis, `digits` the decimals of values. A
+   * line or band is { title, look, isSecond, numbers, values, read }: `values` has one entry for each frame in
+   * `numbers`, which ascend; `read(at)`, if given, formats value `at`. `now` is the frame to mark, `hidden` the ranges
+   * [first, last] to shade, `named(frame)` a frame's label on the axis.
    */
   draw({ now = null, hidden = [], named = String, timeOf, ...shown }) {
     const hasChanged = shown.first !== this.#shown?.first || shown.last !== this.#shown?.last;
@@ -66,7 +67,7 @@ export class Graph {
     this.#show(around - (around - from) * factor, around + (to - around) * factor);
   }
 
-  /** Zooms by the keys `+`, `-` and `0` (all). Returns false for any other key. */
+  /** Zooms in by the key `+`, zooms out by `-`, and shows all frames by `0`. Returns false for any other key. */
   key({ key }) {
     const act = { "+": () => this.zoomBy(0.5), "-": () => this.zoomBy(2), 0: () => this.showAll() }[key];
     act?.();
@@ -207,7 +208,8 @@ export class Graph {
     this.#place();
   }
 
-  // Moves the marks and updates the displayed values, without painting.
+  // Moves the marks of the current frame and of the pointer, and updates the displayed values, without painting the
+  // curves.
   #place() {
     const { now, last, timeOf } = this.#shown;
     const number = this.#pointed ?? now ?? last;
@@ -309,7 +311,7 @@ function valueOf({ numbers, values, read }, number, digits = 0) {
   return read?.(at) ?? (typeof values[at] === "string" ? values[at] : values[at].toFixed(digits));
 }
 
-// Caches, by list of values: runs of equal values, and the largest value.
+// Two caches, whose keys are lists of values: the runs of equal values in a list, and its largest value.
 const spans = new WeakMap();
 const largest = new WeakMap();
 
@@ -387,8 +389,9 @@ function drawLine(context, line, x, y, span) {
 }
 
 /**
- * Thins a line to about `columns` columns, so that the count of points to draw does not grow with the recording.
- * Returns the indices of each column's least and largest value, smaller index first; null for a column without values.
+ * Thins a line to at most twice `columns` columns, so that the count of points to draw does not grow with the
+ * recording. Returns for each column the indices of its least and largest value in ascending order: one index if they
+ * are equal, one null if the column has no values.
  */
 export function thinned({ numbers, values }, { from, to }, columns) {
   const [first, end] = [Math.max(placeIn(numbers, from) - 1, 0), Math.min(placeIn(numbers, to) + 1, numbers.length)];

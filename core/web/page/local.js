@@ -82,7 +82,7 @@ export class Local {
     this.#source.stop();
   }
 
-  /** Returns the name and the bytes of a file with all boxes, or with the flight record of the chosen target. */
+  /** Returns { name, bytes } of a file: all targets' boxes as "csv" or "json", else the flight record of `chosen`. */
   async boxes(format, chosen) {
     const { method, options } = this.#following.using;
     const { name, last, live } = this.#source;

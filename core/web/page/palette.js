@@ -19,7 +19,7 @@ function read() {
   return Object.fromEntries(NAMES.map((name) => [name, page.getPropertyValue(`--${name}`).trim()]));
 }
 
-/** Returns the color and dashes of a tracker from the CSS class `look-NAME`: { onFrame, onPage, dash }. */
+/** Returns { onFrame, onPage, dash }: colors on a frame and on the page, and dashes, of the CSS class `look-NAME`. */
 export function lookOf(name) {
   if (!looks.has(name)) {
     looks.set(name, readLook(name));

@@ -27,8 +27,9 @@ export class Playback {
 
   /**
    * `page` has: picture(number), a promise for the frame's picture; isLive(); timeOf(number) in seconds or null;
-   * speed(), a factor; isHeld(), true while the picture must not change; changed(); failed(error); marks(), ascending
-   * numbers of frames to jump to; visited(number).
+   * speed(), a factor; isHeld(), true while the picture must not change; marks(), ascending numbers of frames to jump
+   * to. Playback calls changed() when the page must be drawn again; failed(error) when the requested picture cannot be
+   * loaded; and visited(number), which is optional, when the frame number has been written into the address.
    */
   constructor(page) {
     this.#page = page;
@@ -62,7 +63,7 @@ export class Playback {
     [this.first, this.last] = [first, last];
   }
 
-  /** Drops all pictures and restarts, for another recording. */
+  /** Drops all pictures and resets the playback, for another recording with the frames `first` to `last`. */
   forget(first, last) {
     [this.frame, this.shown, this.#playing, this.#peeked, this.followsNewest] = [null, null, null, null, true];
     this.#pictures?.end();

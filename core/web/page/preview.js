@@ -18,7 +18,7 @@ export class Preview {
     place.append(this.#box);
   }
 
-  /** Draws the preview of frame `number` (and `picture` if given) near position `x` (pixels); hides it for null. */
+  /** Draws the preview of frame `number` near `x` (pixels); null hides it. Without `picture`, the former one stays. */
   draw({ number, x, picture, size, timeOf }) {
     this.#box.hidden = number === null;
     if (number === null) {

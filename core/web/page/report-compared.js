@@ -7,8 +7,8 @@ const HEIGHT = 170, LEFT = 56, RIGHT = 22, TOP = 10, BOTTOM = HEIGHT - 34;
 const LABELS = 8;
 
 /**
- * Shows what the `entrants` (methods) compared in frame `index`, or in the last frame up to it that has a picture.
- * `data` is { bar: gray levels per bar, bars: their count } of the histograms.
+ * Shows what the `entrants` (methods) compared in frame `index` or, if it has no picture, in the last frame before it
+ * that has one. `data` describes the histograms: { bar: width of a bar in gray levels, bars: count of bars }.
  */
 export function drawComparisons({ first, pictures: { every, comparisons } }, entrants, index, { timeOf, data }) {
   const at = Math.floor(index / every);

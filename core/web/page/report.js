@@ -35,7 +35,7 @@ let recording = null;
 let [numbers, hidden, events] = [[], [], []];
 let drawing = null;
 
-// Registered before the playback's own listener, which reads the frame from the address.
+// Registered before the playback's own listener, so that the recording is open before the frame number is read.
 addEventListener("hashchange", () => open(addressed() ?? recording));
 const playback = new Playback({
   picture, isLive: () => false, timeOf: (number) => timeOf(number), speed: () => Number(byId("speed").value), isHeld: () => false, changed: draw, failed: () => {},
@@ -85,7 +85,7 @@ function open(one) {
   fit();
 }
 
-/** Returns the events of all targets, sorted by frame, from the answers of the first method of each target. */
+/** Returns the events of all targets, sorted by frame. If several methods track a target, the first one counts. */
 function eventsOfAll() {
   const of = ({ name, locks }, target) => {
     const { states } = recording.entrants.find((entrant) => entrant.target === target);

@@ -1,4 +1,4 @@
-// Formats answers like `host-sim track --format csv` and `host-sim track --json`.
+// Formats the trackers' answers as `host-sim track --format csv` and `host-sim track --json` do.
 
 const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
 

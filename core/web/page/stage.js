@@ -23,11 +23,11 @@ export function drawStage(canvas, scene) {
 }
 
 /**
- * Draws a frame and boxes on a canvas area of `width` by `height`. `size` is the size of the frame, and `view` its
- * visible part, which may include a margin around it. `under(context, placed)` draws what lies below the boxes;
- * `placed(box)` converts a box to canvas pixels. `boxes` are { box, color, dash, words, isChosen, isLast, hasHandles };
- * `isLast` marks a box from an earlier frame. `words` are { text, color } for the corner. `proposed` is the box that
- * the user draws, or null.
+ * Draws a frame and boxes on a canvas area of `width` by `height`. `size` is the size of the frame. `view` is the
+ * rectangle in the frame's coordinates that fills the area; it may extend beyond the frame. `under(context, placed)`
+ * draws what lies below the boxes; `placed(box)` converts a box to canvas pixels. `boxes` are { box, color, dash,
+ * words, isChosen, isLast, hasHandles }; `isLast` marks a box from an earlier frame. `words` are { text, color } for
+ * the corner. `proposed` is the box that the user draws, or null.
  */
 export function drawFrame(context, { width, height }, { picture, size, view = { x: 0, y: 0, ...size }, under = () => {}, boxes, words = [], proposed = null, color = "#fff" }) {
   const scale = width / view.width;

@@ -8,7 +8,7 @@ const WORST_LAST = [undefined, "tracking", "leaving", "uncertain", "lost"];
 // Largest number of frames whose states are read in one drawing. A long video takes several drawings.
 const BUDGET = 10_000;
 const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6, LEAST_HEIGHT = 32;
-// Milliseconds for which the playhead stays where the user put it, if that frame cannot be shown.
+// Milliseconds after which the playhead leaves the frame to which the user moved it, if that frame cannot be shown.
 const PATIENCE_MS = 1000;
 
 /** Divides the frames `first` to `last` into `count` columns of pixels, and finds the worst state in each. */
@@ -74,7 +74,7 @@ export class Timeline {
   #hasKeys = true; // the user moves the head by keys
   #drawing = null;
 
-  /** `page`: { goTo(frame) when the user moves the head; optionally hover(frame or null, x) when the mouse moves }. */
+  /** `page` has goTo(frame), for when the user moves the head, and optionally hover(frame or null, x in pixels). */
   constructor(place, page) {
     this.#page = page;
     // The visible canvas lies below a transparent input, which provides keys and accessibility.

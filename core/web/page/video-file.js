@@ -33,7 +33,7 @@ export class VideoFile {
     return this.#followed.isUneven ? "Frames of this file come at uneven times: unless they are followed from the first one on, their numbers are estimates." : "";
   }
 
-  /** Number of the last frame; Infinity until it was reached, because `news` can only estimate it before. */
+  /** Number of the last frame; Infinity until a decoder has reached it. Until then, `news` returns an estimate. */
   get last() {
     return Math.min(this.#end, this.#followed.isCounted ? this.#followed.length : Infinity);
   }

@@ -18,12 +18,12 @@ const TIME_EPSILON = 0.0005;
 const MOST_WAITING = 3;
 // Playback rate, while pictures are taken from the queue fast enough.
 const SPEED = 2;
-// Factor of the playback rate after a skipped picture, and number of pictures without a skip that undo one such factor.
+// Factor by which a skipped picture slows the playback, and count of pictures without a skip that undo one slowing.
 const SLOWER = 0.8, PATIENCE = 10;
-// Smallest factor of the playback rate: below it, seeking to each picture is faster.
+// Lower bound of the product of all `SLOWER` factors: at a lower playback rate, seeking to each picture is faster.
 const LEAST_PART = 0.3;
-// Longest wait for a picture after a seek (ms), and the largest number of waits: while the old picture is shown, and
-// while no picture is shown.
+// Longest wait for a picture after a seek (ms), and the largest numbers of such waits: `WAITS` while the old picture
+// may still be shown, `WAITS_FOR_ANY` while no picture is available.
 const LATE_MS = 150, WAITS = 2, WAITS_FOR_ANY = 100;
 
 function pictureOf(video) {
@@ -337,7 +337,8 @@ export class Video {
     return Promise.race([new Promise((resolve) => this.#video.requestVideoFrameCallback(resolve)), wait(LATE_MS)]);
   }
 
-  // True if `found` may still be from before the seek to `time`: the picture at `before` or, shown late, the next one.
+  // True if `found` may still be from before the seek to `time`: the picture at `before` or, if the browser played on a
+  // little, the picture after that. Always true if timestamps are not in microseconds.
   #isLate(found, before, time) {
     const step = this.#known.step ?? LIKELY_STEP;
     const isThere = found.time <= time + TIME_EPSILON && time < found.time + SLACK * step;
@@ -356,7 +357,7 @@ export class Video {
     return { picture, time: this.#mediaTime, close: () => picture.close() };
   }
 
-  // Seeks to the picture after the one at `time`; null if there is none.
+  // Seeks to the picture after the one at `time`, and returns it; null if none follows within 60 to 120 seconds.
   async #after(time) {
     const end = Math.min(this.#video.duration, time + 60);
     let reach = GAP * (this.#known.step ?? LIKELY_STEP);

@@ -15,7 +15,7 @@ export class Viewport {
   #page;
   #pointers = new Map(); // places of fingers, and of a mouse with its middle button, by their number
 
-  /** `page` has callbacks: { size() of the frame or null, changed(), pinched() when two fingers touch the canvas }. */
+  /** `page` has size(), the frame's size or null; changed(), for a new view; pinched(), for two touching fingers. */
   constructor(canvas, page) {
     [this.#canvas, this.#page] = [canvas, page];
     canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
@@ -87,7 +87,8 @@ export class Viewport {
     this.#page.changed();
   }
 
-  // Zooms by the wheel, or moves with shift. If the whole frame is visible, a turn down scrolls the page instead.
+  // Zooms by the wheel; with shift, moves the view sideways. If the whole frame is visible, a turn down without ctrl
+  // scrolls the page instead.
   #wheel(event) {
     const { deltaX, deltaY, ctrlKey, shiftKey } = event;
     if (this.#page.size() === null || (this.#zoom === 1 && deltaY >= 0 && !ctrlKey)) {

@@ -54,7 +54,7 @@ const HANDLERS = {
     return { version: library.version };
   },
 
-  /** Removes all targets. Later ones are tracked by `using`: { method, options }. */
+  /** Removes all targets. Targets locked later get trackers as in `using`: { method, options }. */
   restart({ using }) {
     [...targets.keys()].forEach(remove);
     method = using;
@@ -77,8 +77,9 @@ const HANDLERS = {
   },
 
   /**
-   * Locks or updates targets in a frame: `picture`, else one of the built-in recording, else a stored one. `jobs` are
-   * { id, box }, without `box` for an update. Returns pairs of id and { quality }, { answer } or { error }.
+   * Locks or updates targets in a frame: `picture` if given, else frame `number` of the built-in recording if
+   * `isBuiltIn`, else the stored frame `number`. A job { id, box } locks, a job { id } updates. Returns for each job a
+   * pair of its id and { quality } of a lock, { answer } of an update, or { error }.
    */
   async follow({ number, picture, isBuiltIn, jobs }) {
     const frame = picture ? await grayOf(picture) : isBuiltIn ? built(number) : seen.get(number);

@@ -74,7 +74,7 @@ async function built(folder) {
   await answers(`http://127.0.0.1:${server.address().port}/`).finally(() => server.close());
 }
 
-/** Checks an app whose bundler does not copy the WebAssembly: it is copied as the README describes. */
+/** Checks an app whose bundler leaves out the .wasm files: copies them beside the script, as the README describes. */
 async function besideModules(folder, page = PAGE) {
   writeFileSync(join(folder, "index.html"), page);
   ["smr.wasm", "smr-simd.wasm"].forEach((name) => copyFileSync(join(PACKAGE, name), join(folder, name)));

@@ -38,7 +38,8 @@ const FRAMES = [
   { data: data.subarray(1), width, height }, { data: new Uint8Array(0), width, height }, { data, width: 65535, height: 65535 },
   { data, width, height, format: "bgr" }, { data, width, height, format: "rgba" }, { data, width, height, format: Symbol("x") },
   { data: new Uint8ClampedArray(width * height), width, height },
-  // Pixels of a wrong format, detected by their count or the stride: colors as gray, 16 bits as 8, gray as colors.
+  // Frames whose byte count or stride shows that the format is wrong: colors or 16-bit pixels passed as 8-bit gray, and
+  // pixels that do not have 4 bytes, such as gray ones, passed as RGBA.
   ...[2, 3, 4].flatMap((bytes) => [undefined, "gray"].map((format) => ({ data: new Uint8Array(bytes * width * height), width, height, format }))),
   { data: new Uint8Array(4 * width * height), width, height, stride: 4 * width }, { data: new Uint8Array(4 * width * height), width, height, stride: width },
   ...[1, 2, 3, 8, 12, 16].map((bytes) => ({ data: new Uint8ClampedArray(bytes * width * height), width, height })),

@@ -9,7 +9,8 @@ import { Recorder } from "../record.js";
 import { State } from "../smr.js";
 import { PROJECT, libraries } from "./library.mjs";
 
-// Options in the order of the record, each with its count of values.
+// Options of the paper's tracker (P) and of the robust one (R), in the order of the flight record. Each has the count
+// of its 16-bit numbers.
 const OPTIONS = {
   P: {
     k: 2, gateTracking: 2, gateLeaving: 2, gateReturning: 2, gateLost: 2, gateLead: 1, leastRatio: 1, firstThreshold: 1, leastThreshold: 1, padding: 1,

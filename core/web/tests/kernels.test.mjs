@@ -28,7 +28,7 @@ function* cases() {
   }
 }
 
-/** Tracks all frames. Returns the answers and the saved target after the last one. */
+/** Tracks all frames. Returns the answers, with `work` set to 0, and the target as saved after the last frame. */
 function follow(smr, method, { options, frames: [first, ...others] }, more = {}) {
   const tracker = smr[method]({ ...options[method], ...more });
   tracker.lock(first, first.box);

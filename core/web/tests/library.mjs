@@ -58,7 +58,7 @@ export function random(seed) {
   };
 }
 
-/** Returns a picture of 4x4 blocks, each of a random gray, because the robust tracker compares means of pixels. */
+/** Returns 4x4-pixel blocks of random grays; single pixels would average out in the means of the robust tracker. */
 function blocks(width, height, { bytes }) {
   const across = Math.ceil(width / 4);
   const grays = bytes(across * Math.ceil(height / 4));

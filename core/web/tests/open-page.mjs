@@ -95,7 +95,7 @@ export async function downloaded(page, label, ending) {
 }
 
 const read = async (page, label, ending) => lines(readFileSync(await downloaded(page, label, ending), "utf8"));
-/** Saves the answers as JSON and returns them: an object for each target and frame. */
+/** Saves the answers as JSON and returns them: one object for each frame of each target. */
 export const answers = async (page) => (await read(page, "JSON", ".jsonl")).map((line) => JSON.parse(line));
 export const boxes = (page) => read(page, "CSV", ".csv");
 

@@ -42,7 +42,7 @@ test("the module draws the built-in recording as host-sim does", { skip: HOST_SI
   }
 });
 
-/** Returns the frames up to `last` that a target must be tracked in, in order. A lock on the box `bad` is refused. */
+/** Tracks a target up to frame `last`, refusing a lock on the box `bad`; returns the steps, as "lock 2 3 gone 4". */
 function dues(target, last, bad) {
   const seen = [];
   for (let { next } = target; next <= last; { next } = target) {

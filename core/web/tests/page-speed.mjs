@@ -35,7 +35,7 @@ function writeCamera(file) {
   closeSync(out);
 }
 
-// Returns a process and all its descendants, of which some may end meanwhile.
+// Returns the ids of a process and of all its descendants. Some of these processes may already have ended.
 function family(parent) {
   const parentOf = (pid) => Number(tried(() => fields(`/proc/${pid}/stat`)[1]));
   const all = readdirSync("/proc").filter((name) => /^\d+$/.test(name)).map(Number);
@@ -60,7 +60,7 @@ function memory(parent) {
   return Math.round(kilobytes.reduce((sum, one) => sum + one, 0) / 1024);
 }
 
-/** Returns the processor time in ms so far: { page, worker, all }, of the two threads and of the whole browser. */
+/** Returns processor times in ms: `page` of pages' main threads, `worker` of workers, `all` of the whole browser. */
 function processor(parent) {
   const sum = { page: 0, worker: 0, all: 0 };
   for (const pid of family(parent)) {

@@ -39,7 +39,8 @@ const CODE = `(() => {
   return Array.from({ length: 8 }, (_, bit) => bright(bit) << bit).reduce((sum, one) => sum + one);
 })()`;
 
-// Opens a video. Before all frames are decoded, the page must display `length` as their count; by default any number.
+// Opens a video and waits until the page shows frame 1 of `length` frames, by default of any number of frames. The page
+// estimates the number until all frames are decoded.
 async function open(page, file, length = "\\d+") {
   await choose(page, file);
   await page.until(`document.getElementById("name").textContent === ${JSON.stringify(basename(file))} && /^frame 1 of ${length}, 0:00.0$/.test(document.getElementById("place").value)`);
@@ -130,7 +131,7 @@ for (const [how, width, scheme] of [["drag", 1280, "light"], ["swipe", 390, "dar
     await scrub(page, back, 160, 200, how);
     const ahead = await page.value(NUMBER);
     assert.equal(await page.value(CODE), ahead);
-    // A target locked in an earlier frame is tracked from there, and the first target is not tracked twice.
+    // A target added in an earlier frame is tracked from there; the first target still has one answer for each frame.
     await scrub(page, ahead, 50, 200, how);
     const place = await page.value(NUMBER);
     await page.click("#add");

@@ -39,7 +39,7 @@ onPage("a camera: a box is dragged, 100 frames are followed, and host-sim agrees
   await page.until(`document.getElementById("track").textContent.includes("--init 60,50,40,40")`);
   const first = Number(/@(\d+)/.exec(await page.text("track"))?.[1] ?? 1);
   await page.until(`${NUMBER} >= ${first + FRAMES + 20}`);
-  // A change of the window's size meanwhile affects only the picture.
+  // A change of the window's size during tracking affects only the picture.
   await page.size(900, 700);
   await pausedAt(page, first + FRAMES + 30);
   await shoot(page, "camera", 900);
@@ -47,7 +47,7 @@ onPage("a camera: a box is dragged, 100 frames are followed, and host-sim agrees
   assert.ok(found.length >= FRAMES, `${found.length} answers`);
   assert.deepEqual(found.map(({ frame }) => frame), found.map((_, at) => first + at));
   assert.deepEqual(found[0].box, { x: 60, y: 50, width: 40, height: 40 });
-  // A correction in an earlier frame is tracked from there to the newest one.
+  // A target corrected in an earlier frame is tracked from there to the newest frame.
   await page.key("ArrowLeft", { shift: true });
   await settled(page);
   const corrected = await page.value(NUMBER);

@@ -31,7 +31,7 @@ async function shoot(address, name, until) {
   return page;
 }
 
-/** Script that joins the report's pictures of these frames into one picture, with two side by side in each row. */
+/** Script that joins the report's pictures of the frames in `FRAMES` into one picture, with two in each row. */
 const strip = `(async () => {
   const stage = document.getElementById("stage");
   const strip = document.createElement("canvas");

@@ -7,7 +7,7 @@ import { frames, libraries, random } from "./library.mjs";
 const ROUNDS = 10;
 const COUNT = 40;
 
-/** Returns frames with noise like a camera's, in gray or in color. */
+/** Returns frames with noise like a camera's, as gray or as RGBA pixels (with the same gray in red, green and blue). */
 function recording(side, isColor) {
   const { next } = random(3);
   return [...frames({ width: 640, height: 480, side, count: COUNT })].map(({ data, box, width, height }) => {
@@ -17,7 +17,7 @@ function recording(side, isColor) {
   });
 }
 
-/** Returns the median time of an update in one round, in which the target must not be lost. */
+/** Returns the median time of a round's updates in microseconds. After each, the state must be *tracking*. */
 function round(tracker, [first, ...others]) {
   tracker.lock(first, first.box);
   const times = others.map((frame) => {

@@ -441,7 +441,7 @@ onWindow("another window of the same host-sim has the same targets", async (page
   await other.until(`document.getElementById("track") !== null`);
   await other.until(`/36,24,24,28/.test(document.getElementById("track").textContent)`);
   await other.until(`document.querySelector("#targets .now").textContent === "tracking"`);
-  // Boxes drawn in one window appear in the other, in which the user can continue.
+  // A box drawn in one window appears in the other, in which the user can draw the next box.
   await other.click("#plays");
   await other.click("#add");
   await dragBox(other, [100, 60, 30, 30]);

@@ -36,7 +36,7 @@ struct Counts {
     right_again: Option<usize>,
 }
 
-/// A goal: its text in the list of misses, and a check that is true if a recording misses it.
+/// A goal: the text listed for recordings that miss the goal, and a check that is true if a recording misses it.
 type Goal = (&'static str, fn(&Counts) -> bool);
 
 const NOT_TRACKING: Goal = ("tracking in more than 2 frames", |of| of.tracking > MAX_TRACKING_FRAMES);
@@ -50,7 +50,8 @@ struct Row {
     recordings: Vec<Counts>,
 }
 
-/// Runs every variant through every cover, in the middle of the recordings at `paths` and of generated ones.
+/// Runs every variant through every cover of the lens, inserted in the middle of each recording: those at `paths`, and
+/// the generated ones of `slow`.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -130,7 +131,7 @@ const MEASURED: &[Column<Counts>] = &[
     ("right_again", "", 0, |of| of.right_again.into()),
 ];
 
-/// Columns of the table of covers. If the count is even, the median is the larger of the two middle values.
+/// Columns of the table of covers. The median of an even number of recordings is the larger of the two middle values.
 const COVERS: &[Column<Row>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
     ("cover", "cover", 0, |row| choice_name(&row.cover).into()),

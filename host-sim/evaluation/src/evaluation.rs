@@ -1,4 +1,4 @@
-//! Scores trackers run here, and result files of others, on whole recordings; shows the paper's figures beside them.
+//! Scores the trackers run here and result files of other trackers on whole recordings; shows the paper's figures too.
 
 use super::matrix::truth_of;
 use super::means::{means, standard_errors};
@@ -122,7 +122,8 @@ impl Evaluation {
         }
     }
 
-    /// Returns tables of scores, of means, and of correct frames with the paper's figures. Result files come last.
+    /// Returns four tables: scores; their means; correct frames as printed in the paper; all correct frames, printed or
+    /// measured. In each, result files come last.
     pub fn tables(all: &[Self]) -> Tables {
         let origin = Head::all(Origin::COLUMNS);
         let figures = Score::FIGURES.iter().map(|of| Head::new(of.key, of.title, of.digits)).collect();
@@ -193,7 +194,7 @@ fn contestants(evaluations: &[Evaluation]) -> Vec<Contestant> {
             all.push(contestant.clone());
         }
     }
-    // The sort is stable, so methods, which compare as equal, keep their order.
+    // The sort is stable, so the trackers run here, which compare as equal, keep their order.
     all.sort_by(|a, b| match (&a.origin, &b.origin) {
         (None, None) => natord::compare(&a.name, &b.name),
         (a, b) => a.is_none().cmp(&b.is_none()),

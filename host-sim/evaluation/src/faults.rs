@@ -1,4 +1,4 @@
-//! Test of camera faults: states during a fault, frames until the box is right again, wrong boxes called *tracking*.
+//! Test of camera faults: states during a fault, frames until the box is right again, *tracking* while it is wrong.
 //!
 //! A fault is inserted at several frames of a recording, in a run each. The tracker is locked on the ground truth
 //! `LEAD` frames before the fault, and runs until `WATCHED` frames after it. The same runs without a fault are the
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 const LEAD: usize = 10;
 const WATCHED: usize = 50;
-/// Maximum number of frames in a recording at which a fault is inserted; each run inserts it at one of them.
+/// Maximum number of runs per tracker, fault and recording; in each run the fault begins at a different frame.
 const MAX_PLACES: usize = 8;
 
 /// The default trackers: the two of smr-core.
@@ -46,9 +46,9 @@ struct Counts {
     until_right: Option<usize>,
     /// True if, after the fault, the box was right in the last frame in which the target is visible.
     right_at_the_end: bool,
-    /// Frames from the start of the fault to the end of the run.
+    /// Number of frames delivered from the start of the fault to the end of the run.
     frames: usize,
-    /// Frames with the state *tracking* although the box was wrong or the target hidden.
+    /// Number of `frames` with the state *tracking* although the box was wrong or the target hidden.
     tracking_while_wrong: usize,
 }
 
@@ -135,8 +135,8 @@ impl Protocol for Faults<'_> {
     }
 }
 
-/// Returns the frames in which faults begin, spread evenly over the recording, and the box to lock on before each. The
-/// target is visible in the frame of the lock and where the fault begins.
+/// Returns the frames in which faults begin, with the box for the lock `LEAD` frames earlier. They are spread evenly
+/// over all frames that allow a fault: the target is visible there, one frame earlier and at the lock.
 fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
     let visible = |frame: usize| recording.truth.get(frame).is_some_and(Option::is_some);
     let bounds = recording.bounds();
@@ -255,7 +255,7 @@ mod tests {
 
     fn open(name: &Path) -> Result<Sequence> {
         let mut sequence = smr_recordings::open(name, &OpenOptions::default())?;
-        // The start box replaces missing ground truth in all frames: even if this truth is wrong, no tracker may panic.
+        // The start box stands for missing ground truth in every frame: it may be wrong, but no tracker may panic.
         let still = vec![sequence.init; sequence.length.unwrap()];
         sequence.truth.get_or_insert(still);
         Ok(sequence)

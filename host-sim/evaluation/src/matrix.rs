@@ -12,14 +12,14 @@ use smr_recordings::{BoundingBox, GrayFrame, Sequence, cleanup, misfit};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Memory limit for the frames of one recording: 1 GiB, some 14000 frames of 320x240 pixels. When the recordings in
-/// memory reach the limit together, they are measured before more are read.
+/// Memory limit for the frames of one recording: 1 GiB, some 14000 frames of 320x240 pixels. Once the frames of all
+/// recordings in memory add up to this size, these recordings are measured before more are read.
 const MOST_BYTES: u64 = 1 << 30;
 const MIB: u64 = 1 << 20;
 
 pub struct Measured {
     pub tables: Result<Tables>,
-    /// Errors of runs and recordings; empty after a signal has requested a stop.
+    /// Errors of runs and recordings; always empty if a signal has requested a stop.
     pub failures: Vec<Error>,
     pub notes: Vec<String>,
     pub is_empty: bool,
@@ -64,9 +64,10 @@ pub(super) struct Case {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Intervention {
     None,
-    /// A camera fault. The fields are first frame number, end (exclusive), fault, simulation of a leaving target.
+    /// A camera fault. The fields are first frame number, end (exclusive), fault, simulation for fault `away`.
     Fault(usize, usize, Fault, Away),
-    /// A covered lens: inserts covered frames before a frame. The fields are frame number, count, cover, other scene.
+    /// A covered lens: inserts covered frames before a frame of the recording. The fields are the number of this frame,
+    /// the number of covered frames, the cover, and a frame of another scene.
     Cover(usize, usize, Cover, Arc<GrayFrame>),
 }
 
@@ -182,8 +183,8 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    /// Reads all frames. Errors: No start box; ground truth that is missing, never visible or of another length; a
-    /// frame that cannot be read; more than `most_bytes` of frames.
+    /// Reads all frames. Errors: No start box; no ground truth; a target that is never visible; more or fewer boxes in
+    /// the ground truth than frames; a frame that cannot be read; more than `most_bytes` of frames.
     pub fn read(sequence: Sequence, most_bytes: u64) -> Result<Self> {
         let start = sequence.start();
         let Sequence { name, frames, init, truth, .. } = sequence;

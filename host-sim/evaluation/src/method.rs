@@ -33,17 +33,18 @@ pub struct Report {
     pub state: State,
     /// Numbers behind smr-core's decision; `None` in the frame of a lock, and from baselines.
     pub evidence: Option<Evidence>,
-    /// Upper bound of the work, as in [`Tracker::update_step`](smr_core::Tracker::update_step); `None` from baselines.
+    /// Upper bound of the update's work, in units of [`Tracker::update_step`](smr_core::Tracker::update_step); `None`
+    /// in the frame of a lock, and from baselines.
     pub work: Option<u32>,
 }
 
-/// Numbers behind an answer of smr-core, as fractions: see [`Answer`].
+/// Numbers from smr-core's [`Answer`], which explains them; its fixed-point numbers are converted to floats.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Evidence {
     pub confidence: f64,
     pub ratio: f64,
     pub runner_up_ratio: Option<f64>,
-    /// Threshold alpha in gray levels, rounded up, as the tracker uses it.
+    /// Threshold alpha of the frame, rounded up to whole gray levels; `None` from `Robust`.
     pub alpha: Option<u16>,
     pub scale: f64,
     pub found_again: bool,

@@ -4,7 +4,7 @@ pub(super) const SOURCE: &str = "printed";
 
 const SEQUENCES: [&str; 6] = ["01_david", "02_jumping", "03_pedestrian1", "04_pedestrian2", "05_pedestrian3", "06_car"];
 
-/// Correct frames of a tracker, by recording; `None` where the paper has no figure.
+/// Number of correct frames of a tracker, for each of `SEQUENCES`; `None` where the paper has no figure.
 pub(super) struct Row {
     pub tracker: &'static str,
     correct: [Option<u16>; 6],

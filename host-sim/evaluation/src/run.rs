@@ -13,7 +13,7 @@ pub struct Follower<M: Method + ?Sized = dyn Method> {
     /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
     pub method: Box<M>,
-    /// Remaining boxes to lock on, with their frame numbers. `None`: the target is gone until the next box.
+    /// Remaining frame numbers, each with a box to lock on, or with `None`: the target is gone until the next box.
     starts: std::iter::Peekable<std::vec::IntoIter<(usize, Option<Rect>)>>,
     is_there: bool,
 }
@@ -58,7 +58,7 @@ impl<M: Method + ?Sized> Follower<M> {
         self.method.quality()
     }
 
-    /// Returns the frame number of the next box to lock on.
+    /// Returns the frame number of the next entry of `starts`: a box to lock on, or the target is gone from there on.
     pub fn next_start(&mut self) -> Option<usize> {
         self.starts.peek().map(|(frame, _)| *frame)
     }
@@ -71,11 +71,11 @@ pub fn lock(method: &mut (impl Method + ?Sized), frame: &Frame<'_>, target: Rect
 
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// A report for each frame that the tracker got, from the first lock on.
+    /// A report for each frame from the first lock on, except those in which the target is gone.
     pub reports: Vec<Report>,
     /// Frame index of each report, from 0.
     pub frames: Vec<usize>,
-    /// Time of all updates together.
+    /// Total time of all frames after the first lock: updates, and locks on corrections.
     pub time: Duration,
 }
 
@@ -98,7 +98,8 @@ impl Run {
         self.reports.get(1..).unwrap_or_default()
     }
 
-    /// Returns each report's frame index and state, and true if its box, not normalised, has an IoU above `CORRECT`.
+    /// Returns for each report: frame index, state, and true if the IoU of its box with `truth` is above `CORRECT`. The
+    /// boxes are not normalised.
     pub fn judged<'a>(&'a self, truth: &'a Trajectory) -> impl Iterator<Item = (usize, State, bool)> + Clone + 'a {
         self.frames.iter().zip(&self.reports).map(|(&frame, report)| {
             let right = |(answer, truth): (BoundingBox, BoundingBox)| truth.iou(&answer) > CORRECT;

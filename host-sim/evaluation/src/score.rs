@@ -37,7 +37,7 @@ pub struct Score {
     pub first_failure: Option<usize>,
     /// OTB figures; `None` in a total, because OTB has means over recordings instead.
     pub otb: Option<Otb>,
-    /// VOT figures; `None` in a total, and without confidences.
+    /// VOT figures; `None` in a total, and from `Score::new`, which gets no confidences.
     pub vot: Option<Vot>,
 }
 
@@ -122,7 +122,8 @@ impl Score {
         Ok(Self { vot: (score.visible > 0).then(|| Vot::new(answers, confidences, truth)), ..score })
     }
 
-    /// Scores `answers`, normalised except for OTB's figures, by `truth`; an error if the lengths differ.
+    /// Scores `answers` by `truth`, without VOT's figures; an error if the lengths differ. OTB's figures take the
+    /// answers as they are, all others take them normalised.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Result<Self> {
         let overlaps = overlaps(answers, truth)?;
         let mut score = Self { frames: truth.len(), answered: answers.iter().flatten().count(), ..Self::default() };
@@ -163,7 +164,7 @@ impl Score {
         Self {
             precision: per(correct, self.answered),
             recall: per(correct, self.visible),
-            // 2PR / (P + R) in counts, so that P = R = 0 is no division by 0.
+            // 2PR / (P + R), but computed from the counts, because P = R = 0 would give 0 / 0.
             f: per(2.0 * correct, self.answered + self.visible),
             mean_iou: per(iou_sum, self.visible),
             ..self
@@ -233,7 +234,8 @@ mod tests {
             f: Some(0.5),
             mean_iou: Some((1.0 + 1.0 / 3.0 + 0.25) / 4.0),
             first_failure: Some(3),
-            // The first three frames pass 20, 7 and 5 of 21 thresholds, with centres at most 20 pixels apart.
+            // The IoUs of the first three frames exceed 20, 7 and 5 of the 21 thresholds; their centre errors are at
+            // most 20 pixels. The fourth frame has no answer.
             otb: Some(Otb { otb_auc: 32.0 / 4.0 / 21.0, otb_precision: 0.75 }),
             vot: None,
         };

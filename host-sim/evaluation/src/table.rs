@@ -93,7 +93,7 @@ pub struct Table {
     /// Number of leading columns aligned to the left; all others are aligned to the right.
     names: usize,
     heads: Vec<Head>,
-    /// Rows. Each is a flag, true if JSON and CSV contain the row, and the cells of the row.
+    /// Rows: for each, a flag (true if JSON and CSV contain the row, too) and its cells.
     rows: Vec<(bool, Vec<Value>)>,
 }
 
@@ -159,7 +159,7 @@ impl Table {
     }
 }
 
-/// Results of a command: in JSON an object with an array of objects for each table.
+/// Results of a command. The JSON is an object with one key for each named table; its value is an array of rows.
 #[derive(Default)]
 pub struct Tables {
     pub tables: Vec<Table>,

@@ -18,7 +18,7 @@ pub struct Configs {
     /// Settings of the paper's tracker; the baselines take window and padding from them.
     pub paper: Config,
     pub robust: robust::Config,
-    /// Work limit of each step of an update of smr-core's trackers; it changes no answer.
+    /// Approximate work of a step of an update, in units of `Tracker::work`; it changes no answer. Baselines ignore it.
     pub step: u32,
 }
 
@@ -50,7 +50,7 @@ pub struct Variant {
 pub struct Origin {
     pub version: &'static str,
     pub method: &'static str,
-    /// Settings that were given on the command line; others have their defaults.
+    /// Settings that were given on the command line; all other settings have their defaults.
     pub options: Map<String, Value>,
 }
 

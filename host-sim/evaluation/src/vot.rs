@@ -1,4 +1,5 @@
-//! The score of VOT's long-term challenge, the highest F of a recording: Lukezic et al., *Now you see me*, 2018.
+//! The score of VOT's long-term challenge: F of a recording at the best confidence threshold. Source: Lukezic et al.,
+//! *Now you see me*, 2018.
 //!
 //! At a threshold, only answers with at least this confidence count, and they are not normalised:
 //!
@@ -13,7 +14,7 @@ use super::Trajectory;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vot {
-    /// The largest F; 0 if no answer overlaps the target.
+    /// F at the best threshold; 0 if no answer overlaps the target.
     pub vot_f: f64,
     pub vot_precision: f64,
     pub vot_recall: f64,
@@ -63,7 +64,8 @@ mod tests {
         let truth = [right, at(3.0), None];
         let perfect = Vot { vot_f: 1.0, vot_precision: 1.0, vot_recall: 1.0, vot_threshold: None };
         let half = [right, right, wrong, wrong];
-        // All answers: precision and recall are 1/2. Without the less confident wrong ones, precision is 1.
+        // If all four answers of `half` count, precision and recall are 1/2. If only the two right ones count
+        // (threshold 0.75), precision is 1.
         let all = Vot { vot_f: 0.5, vot_precision: 0.5, vot_recall: 0.5, vot_threshold: None };
         let without = Vot { vot_f: 2.0 / 3.0, vot_precision: 1.0, vot_recall: 0.5, vot_threshold: Some(0.75) };
         let cases: [(&[_], &[_], &[_], Vot); 7] = [

@@ -5,7 +5,7 @@
 
 use crate::encode::base64;
 
-/// (file name, text) of JavaScript modules: first for the window (page of `host-sim view`), second for the report.
+/// JavaScript modules as (file name, text): index 0 for the window (page of `host-sim view`), index 1 for the report.
 const MODULES: [&[(&str, &str)]; 2] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 const WINDOW: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.html"));
 /// A glossary of the terms on the pages, as the items of an HTML list.

@@ -1,4 +1,4 @@
-//! The target of the paper's tracker and its calls. The stages of an update: window, search, gate, template, answer.
+//! `Paper`, the target of the paper's tracker. The stages of an update: window, search, gate, template, answer.
 
 use super::config::Config;
 use super::gate::{ratio, searches};
@@ -117,7 +117,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 
     const SAVED_SIZE: usize = saved::size(PIXELS);
 
-    /// Upper bounds of the work in the largest window that the configuration and `SPAN` allow.
+    /// Upper bounds of the work (see `MostWork`) with the largest window that the configuration and `SPAN` allow.
     fn most_work(config: &Config, width: u16, height: u16) -> MostWork {
         let axis = |radius: u16| (2 * usize::from(radius) + 1).min(SPAN);
         let window = (axis(config.window_limit.x), axis(config.window_limit.y));
@@ -287,7 +287,8 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 /// Stands in for the result of a search that scored no offset. That never happens: a window is never empty.
 const NOTHING: Peaks = Peaks { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };
 
-/// Scratch memory for updates of any number of targets, one at a time: `PIXELS + 20 * SPAN` bytes + an exp table.
+/// Scratch memory for updates of any number of targets, one at a time: `PIXELS + 20 * SPAN` bytes, a similarity table
+/// (half a kilobyte or one) and a constant.
 ///
 /// ```
 /// // Firmware often keeps it in a static.

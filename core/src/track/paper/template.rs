@@ -53,9 +53,9 @@ impl<const PIXELS: usize> Template<PIXELS> {
         }
     }
 
-    /// Replaces the template G by `patch` G' of the same size, and sets alpha = k * max |G' - G|. If no pixel changed,
-    /// alpha stays: with an alpha of 0 no pixel would match again. `contrast` is that of `patch`, or
-    /// [`Contrast::NONE`].
+    /// Replaces the template G by `patch` G' of the same size, and sets alpha = k * max |G' - G|, but at least
+    /// `least_threshold`. If no pixel changed, alpha stays: with an alpha of 0 no pixel would match again. `contrast`
+    /// is that of `patch`, or [`Contrast::NONE`] if it was not computed.
     pub(crate) fn update(&mut self, patch: Image<'_>, contrast: Contrast, config: &Config) {
         let mut largest = 0;
         let columns = usize::from(self.width);

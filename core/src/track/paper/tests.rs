@@ -86,10 +86,12 @@ fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
 #[test]
 fn the_most_work_is_nearly_done() {
     let noise = [Picture::noise(160, 120, 7), Picture::noise(160, 120, 8)];
-    // Each block of 4x4 pixels ranges from 100 to 200. The template's level, 150, is within, but no pixel has it.
+    // Every 4x4 block of the second picture ranges from 100 to 200. The template's level, 150, lies in this range, so
+    // every group's bound is the full score, but no pixel has that level.
     let of = |level: fn(i32, i32) -> u8| Picture::of(160, 120, level);
     let stripes = [of(|_, _| 150), of(|x, y| if (x + y) % 2 == 0 { 100 } else { 200 })];
-    // One pixel of eight matches at every offset, so all scores are equal, and equal to the bound of every group.
+    // The same template pixels, about one in eight, match at every offset: all scores are equal, and equal to the bound
+    // of every group of 4x4 offsets.
     let dots = [of(|x, y| if (x + y) % 8 == 0 { 150 } else { 250 }), of(|_, _| 150)];
     let mut closest = 0.0_f64;
     for (radius, pruning, runner_up_always) in
@@ -166,7 +168,8 @@ fn plain_but(around: u8, level: impl Fn(usize) -> u8) -> Picture {
     })
 }
 
-/// Locks on the first frame, returns the state in the second. alpha is 255: only black and white pixels do not match.
+/// Locks in the first picture and returns the state after an update with the second. alpha is 255: any two pixels
+/// match, except black (0) and white (255).
 fn seen_after(first: &Picture, second: &Picture, least_ratio: u16) -> State {
     let window = Radius { x: 0, y: 0 };
     let mut tracker = Small::with(Config { first_threshold: 255, window, least_ratio, ..small_config() }).unwrap();
@@ -224,7 +227,8 @@ fn a_box_partly_outside_the_frame_may_have_no_contrast() {
     let mut tracker = Small::with(config).unwrap();
     let board = Picture::of(64, 48, |x, _| if x < 8 && x % 2 == 0 { 90 } else { 10 });
     tracker.lock(&board.frame(), Rect::new(0, 20, 12, 12)).unwrap();
-    // The black padding is more similar to the target than white, so the peak lies partly in the padding.
+    // The target (levels 10 and 90) is more similar to the black padding than to the white frame, so the box at the
+    // peak lies partly in the padding.
     let white = plain_but(255, |_| 255);
     assert_eq!(tracker.update(&white.frame()).unwrap().state, State::Leaving);
 }

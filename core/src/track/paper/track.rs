@@ -11,7 +11,8 @@ pub(super) struct Track {
     pub(super) target: Rect,
     pub(super) bounds: Rect,
     pub(super) state: State,
-    /// True if a peak was partly outside the frame. `gate_returning` then applies until a lost target is found again.
+    /// True once the box at a peak was partly outside the frame while the target was not lost, until a lost target is
+    /// found again. While true, `gate_returning` replaces `gate_tracking`.
     pub(super) edge: bool,
     /// Frames since a peak was last accepted.
     pub(super) lost_for: u16,
@@ -48,7 +49,7 @@ impl Track {
         self.search_window(config).pixels(self.target.width, self.target.height, self.bounds)
     }
 
-    /// Moves the box by units of 1/256 pixel, rounded to whole pixels, within the padded frame.
+    /// Moves the box by `right` and `down` (in 1/256 pixel, rounded to whole pixels), but not out of the padded frame.
     pub(super) fn moved(&mut self, right: i32, down: i32, padding: u16) {
         let by = |units: i32| units.saturating_add(128) >> 8;
         let (x, y) = (self.target.x.saturating_add(by(right)), self.target.y.saturating_add(by(down)));

@@ -8,18 +8,18 @@ use crate::track::saved::Reader;
 use crate::track::{Answer, Settings, State};
 use core::{fmt, mem};
 
-/// The count of entries of a table of similarities, and an upper bound of the count of a configuration's other values.
+/// `TABLE`: entries of a similarity table. `MOST`: upper bound of the number of a configuration's other values.
 const TABLE: usize = 256;
 const MOST: usize = 32;
 
-/// The entries of `record`, in order. Skips bytes that are no entry at the end and before each `SMRB` (begin), because
-/// restarted firmware appends to a truncated record: see [`Entries::cut_off`]. The [module](super) has an example.
+/// The entries of `record`, in order. Skips bytes that belong to no entry if an `SMRB` (begin) or the end follows:
+/// restarted firmware appends to a truncated record, see [`Entries::cut_off`]. The [module](super) has an example.
 #[must_use]
 pub const fn entries(record: &[u8]) -> Entries<'_> {
     Entries { record, at: 0, next: 0, cut_off: 0 }
 }
 
-/// Parses the entry at the start of `bytes`, which must contain all of it: its length is in the [`HEAD`].
+/// Parses the entry at the start of `bytes`, which must contain all of it. The [`HEAD`] has the content's length.
 ///
 /// # Errors
 /// [`Flaw::NoEntry`] if no whole entry begins there, else what is wrong with its content.
@@ -56,9 +56,9 @@ pub struct Found<'a> {
 /// An event of a flight.
 #[derive(Clone, Copy, Debug)]
 pub enum Entry<'a> {
-    /// A tracker was created.
+    /// A record begins, with this tracker and configuration.
     Begin(Begin<'a>),
-    /// A lock on `bbox`, which read `window` of the frame.
+    /// A lock on `bbox`. The lock read the part `window` of the frame.
     Lock {
         /// The frame; only the pixels of `window` are in memory.
         frame: Frame<'a>,
@@ -67,7 +67,7 @@ pub enum Entry<'a> {
         /// The box that was locked.
         bbox: Rect,
     },
-    /// A motion of the picture because the camera turned, in units of 1/256 pixel.
+    /// A call of `Target::moved`: the picture's motion from a turn of the camera, in units of 1/256 pixel.
     Moved {
         /// Motion to the right.
         right: i32,
@@ -78,9 +78,9 @@ pub enum Entry<'a> {
     Window {
         /// The frame; only the pixels of `window` and of `sweep` are in memory.
         frame: Frame<'a>,
-        /// The part of the frame that the update reads in any case.
+        /// The part of the frame that the update may read in any state of the target (`Target::window`).
         window: Rect,
-        /// The second window, of `Target::sweep_window`: the part that the update may read for a lost target.
+        /// A second part of the frame that the update may read for a lost target (`Target::sweep_window`).
         sweep: Option<Rect>,
     },
     /// The answer of the update.
@@ -137,7 +137,8 @@ pub struct Damage {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Flaw {
-    /// This many bytes are no entry; the record continues after them.
+    /// The count of bytes from `Damage::at` on that belong to no entry, although an entry other than `Entry::Begin`
+    /// follows them. From `first`: the count of all its bytes, because no whole entry begins there.
     NoEntry(usize),
     /// The entry with this number is missing.
     Missing(u32),
@@ -164,7 +165,8 @@ impl fmt::Display for Damage {
 impl core::error::Error for Damage {}
 
 impl Entries<'_> {
-    /// The number of bytes that belong to no entry, before the last returned entry or at the end of the record.
+    /// The count of bytes that the latest call of `next` skipped because they belong to no entry: those directly before
+    /// the entry that it found, or those at the end of the record if it found none.
     #[must_use]
     pub const fn cut_off(&self) -> usize {
         self.cut_off
@@ -264,7 +266,7 @@ fn entry<'a>(tag: Tag, from: &mut Reader<'a>) -> Option<Entry<'a>> {
     })
 }
 
-/// Reads the content of an entry, value by value; `None` at the end.
+/// Each function reads the next value of an entry's content; `None` if too few bytes are left or the value is invalid.
 impl<'a> Reader<'a> {
     fn size(&mut self) -> Option<(u16, u16)> {
         Some((self.u16()?, self.u16()?))

@@ -38,7 +38,8 @@ pub enum Stop {
 errors! {
     /// A difference between the record and the replay.
     Difference {
-        /// The configuration is not one of this tracker and version, or has another similarity table.
+        /// The recorded configuration is not valid for this tracker in this version, or its similarity table is neither
+        /// the paper's nor the one in the `rest` of `Player::new`.
         Numbers => "the configuration is not one of this tracker and version, or its table is another",
         /// The configuration is refused.
         Config(error: ConfigError) => "configuration: {error}",
@@ -106,7 +107,7 @@ pub struct Player<'a, T: Target> {
 }
 
 impl<'a, T: Recorded> Player<'a, T> {
-    /// A player with the settings that a record lacks (`rest`): see [`Begin::config`](super::Begin::config).
+    /// A player. `rest` supplies the settings that a record lacks: see [`Begin::config`](super::Begin::config).
     pub const fn new(rest: T::Config) -> Self {
         Self { rest, window: None }
     }

@@ -30,7 +30,8 @@ pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The minimum and the maximum side of the correlation filter, in cells.
 pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// Cells of the filter for each grid pixel of the target's side: 7/20. With cells of 4x4 pixels, it covers 1.4 sides.
+/// The filter's side in cells for each grid pixel of the target's side: 7/20. As a cell has 4x4 grid pixels, the
+/// filter's side is 1.4 times the target's.
 pub(super) const COVER: [u32; 2] = [7, 20];
 /// The smallest step of the target's grid, in units of 1/4096 pixel: half a pixel, which enlarges a target twofold.
 pub(super) const LEAST_STEP: u32 = 2048;
@@ -43,8 +44,9 @@ pub(super) const NORM_FLOOR: u32 = 2 * 16 * 8;
 /// times the norm becomes 127, so gain = 2 * 127 / 0.4, where the 2 converts the units.
 pub(super) const NORM_GAIN: u32 = 635;
 
-/// The penalty of a filter response at the edge of the search window, in units of 1/256 of the response. The penalty
-/// grows with the squared distance from the centre. Without penalties the success rate R is lower by 0.043 +- 0.016.
+/// The largest penalty of a filter response, in units of 1/256 of the response. The penalty grows with the squared
+/// distance from the centre, up to the radius of the search window. Without penalties the success rate R is lower by
+/// 0.043 +- 0.016.
 pub(super) const DISTANCE_PENALTY: u32 = 77;
 
 /// The farthest offset from the filter's peak at which the template is compared, in pixels of the grid on each axis.
@@ -58,9 +60,9 @@ pub(super) const ALIGNMENTS: u16 = 17;
 /// The least agreement with which the early template refines place and size, in units of 1/65535. Without refinement
 /// the success rate R is lower by 0.025 +- 0.013.
 pub(super) const REFINED_FROM: u16 = 55_000;
-/// The largest move by the Gauss-Newton step of refinement, in units of 1/64 pixel of the grid: one pixel.
+/// The largest move by the Gauss-Newton step of refinement on each axis, in units of 1/64 pixel of the grid: one pixel.
 pub(super) const MOST_MOVE: i64 = 64;
-/// The largest growth by the Gauss-Newton step of refinement, in units of 1/65536: 2 %.
+/// The largest growth or shrinkage of the target by the Gauss-Newton step of refinement, in units of 1/65536: 2 %.
 pub(super) const MOST_GROWTH: i32 = 1310;
 /// The exponent of the damping (Levenberg) of refinement: each diagonal element of the normal equations grows by 2^-6
 /// of itself. Without damping, a target with a single edge could slide along that edge.
@@ -68,9 +70,9 @@ pub(super) const DAMPING: u32 = 6;
 
 /// Tiles of the early template on each axis. Each of the 4 x 4 tiles is compared with the frame.
 pub(super) const TILES: u16 = 4;
-/// The agreement is the similarity ratio with this rank among those of all tiles, from the lowest. With rank 4, three
-/// tiles may be hidden. Rank 1 lowers the success rate R by 0.139 +- 0.024. Rank 8 lowers it by 0.048 +- 0.022, and
-/// then 66 % of the wrong frames are *tracking* instead of 23 %.
+/// The rank of the tile whose similarity ratio is the agreement; rank 1 is the tile with the lowest ratio. With rank 4,
+/// three tiles may be hidden. Rank 1 lowers the success rate R by 0.139 +- 0.024. Rank 8 lowers it by 0.048 +- 0.022,
+/// and then 66 % of the wrong frames are *tracking* instead of 23 %.
 pub(super) const AGREEMENT_RANK: usize = 4;
 /// The minimum and the maximum of the threshold alpha, in gray levels. Two pixels match if they differ by less than
 /// alpha, so a minimum of 2 tolerates a rounding error of 1. With a minimum of 8, a target with little contrast would
@@ -83,8 +85,9 @@ pub(super) const ONE_GAIN: u32 = 256;
 pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
 /// The minimum contrast of a search window: 1/4 gray level, in units of 1/16. Lower contrasts are raised to it.
 pub(super) const LEAST_WINDOW: u32 = 4;
-/// The light (`verification/lighting.rs`) moves toward the light of each learned frame by 2^-3 of the difference. With
-/// 2^0 (all of it), a further 0.05 of the wrong frames would be *tracking*, measured on half of the recordings.
+/// The exponent of the rate at which the target's `Light` follows that of each learned frame: by 2^-3 of the
+/// difference. With 2^0 (all of it), a further 0.05 of the wrong frames would be *tracking*, measured on half of the
+/// recordings.
 pub(super) const LIGHT_RATE: u32 = 3;
 /// The threshold alpha, in gray levels, with which a lock measures how distinct its target is: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;
@@ -110,9 +113,9 @@ pub(super) const LEARNED_FROM: i32 = 37_500;
 pub(super) const FOUND_FROM: i32 = 52_000;
 /// The minimum lead of the evidence in a search window over the evidence at the place where the target was lost.
 pub(super) const FOUND_LEAD: i32 = 16_000;
-/// The largest lead of the evidence's running mean over the frame's evidence. So one frame without evidence makes a
-/// target *uncertain*, and with the default thresholds the second makes it *lost*. This bound improves the state, not
-/// the place: the success rate R without it is higher by 0.002 +- 0.002.
+/// The largest lead of the evidence's running mean over the frame's evidence. So, with the default settings, one frame
+/// without evidence makes a *tracking* target *uncertain*, and a second such frame makes it *lost*. This bound improves
+/// the state, not the place: the success rate R without it is higher by 0.002 +- 0.002.
 pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
 /// The regularisation lambda of the ridge regression: 0.05 * 318^2, because a feature of 1 is the integer 318.
@@ -123,11 +126,11 @@ pub(super) const MOST_ERROR: i32 = 65_535;
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;
 /// The squared width of the Gaussian label, as a fraction: (standard deviation / root of the target's area)^2 = 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
-/// The standard deviation of the mask that weights the filter's cells in learning: on each axis half of the template's
-/// side, which is 32 / 256 cell for each pixel of the side.
+/// The standard deviation of the mask that weights the filter's cells in learning, in units of 1/256 cell for each
+/// pixel of the template's side. On each axis, 32 is half of the side.
 pub(super) const MASK_WIDTH: u32 = 32;
 /// Steps of conjugate gradients at the lock. More steps overfit the first frame: 9 lower the success rate R by 0.004 +-
 /// 0.006. 25 steps of steepest descent, at four times the work, raise it by 0.003 +- 0.005.
 pub(super) const FIRST_STEPS: u32 = 7;
-/// The learning rate at the lock, in units of 1/256: full steps.
+/// The learning rate at the lock, in units of 1/256. At 256 each step has its full length.
 pub(super) const WHOLE_STEP: u16 = 256;

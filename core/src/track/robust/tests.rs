@@ -1,4 +1,4 @@
-//! Tests of the whole tracker: bounds of its work, and targets that change, are covered and come back.
+//! Tests of the whole tracker: bounds of its work, changing targets, covered targets, and targets that come back.
 
 use super::{Config, Robust};
 use crate::track::tests::{cut, drawn, locked, most_parts, of_size};
@@ -49,7 +49,8 @@ fn a_target_of_any_size_costs_about_the_same() {
     for side in [1, 79, 100, 159, 200, 319, 400, 800, 1279, 1500] {
         holds(side, side, noise, seen_40);
     }
-    // Includes the longest possible boxes, and boxes six times as long as wide, with samples nearly two blocks apart.
+    // Includes the longest possible boxes, and boxes about six times as long as wide. For the box of 50,920x7890
+    // pixels, neighbouring samples are nearly two blocks of pixels apart, which is the most.
     let small = [(600, 16), (16, 600), (65_535, 1), (1, 65_535), (992, 160), (160, 992)];
     for (across, down) in small.into_iter().chain([(13_000, 13_000), (65_535, 65_535), (50_920, 7890), (7890, 50_920)])
     {
@@ -82,7 +83,7 @@ fn most_done(config: Config) -> [u64; 3] {
     most
 }
 
-/// The work done reaches 85 % of the computed bounds, in learning or in redetection.
+/// The largest work of an update, a lock and a step, with learning or with redetection, is 85 to 100 % of the bound.
 #[test]
 fn the_most_work_is_nearly_done() {
     let lost = |config| Config { lost_below: u16::MAX, uncertain_below: u16::MAX, ..config };
@@ -256,7 +257,8 @@ fn a_covered_lens_is_lost_and_teaches_nothing() {
                 (target.weights().to_vec(), target.early_template().unwrap().collect())
             };
             let before = learned(&tracker);
-            // 60 covered frames suffice: the sweep repeats after a few. `textured` has 300, as in `eval --fault cover`.
+            // 60 covered frames suffice, because the sweep of the picture starts again every few frames. For
+            // `textured`, 300 frames are covered, as in `eval --fault cover`.
             let covered = if name == "textured" { 300 } else { 60 };
             let states: Vec<State> = (0..covered).map(|_| update(&mut tracker, &[level; 160 * 120]).state).collect();
             let tracking = states.iter().filter(|&&state| state == State::Tracking).count();

@@ -11,7 +11,7 @@ enum Look {
     Flat(i32),
     Tiles(i32),
     Slopes,
-    /// A checkerboard of black and white, inverted in each frame.
+    /// A checkerboard of black and white squares with this side in pixels. Black and white swap from frame to frame.
     Board(i32),
 }
 
@@ -38,9 +38,9 @@ struct Shot {
     cover: Option<Look>,
     /// The position to which the target jumps, in 1/256 of the frame.
     jump: Option<(i32, i32)>,
-    /// The motion of the target (right, down) in pixels, and the growth of its size in percent, each per frame.
+    /// The target's motion (right, down) in pixels per frame, and its growth per frame in percent of its first size.
     step: (i32, i32, i32),
-    /// The difference of the shot's brightness from normal, in percent.
+    /// The change of the shot's gray levels, in percent of each level; negative is darker.
     light: i32,
     grain: i32,
 }
@@ -137,7 +137,8 @@ fn at_most(most: u32, target: Rect) -> Rect {
 struct Way {
     /// The work granted to each step.
     grant: u32,
-    /// If set to n, each step lasts until a deadline, which has expired at the n-th check.
+    /// If set to n, each step of an update is a call of `update_step_until` whose deadline has expired at the n-th
+    /// check. `grant` is then unused.
     until: Option<u32>,
     /// Only the windows that the tracker reads are in memory.
     part: bool,
@@ -145,9 +146,10 @@ struct Way {
     restored: bool,
     /// Before each update, another target is updated in the same workspace.
     shared: bool,
-    /// A turn of the camera that both trackers are told.
+    /// The turn of the camera (right, down), in units of 1/256 pixel, that both trackers are told before the frame.
     turn: Option<(i32, i32)>,
-    /// Interrupts a call: (its grant in 1/256 of the last call's work; index of the interrupting call; true: a lock).
+    /// A call interrupted before the update: (its grant in 1/256 of the last call's work; index of the interrupting
+    /// call in `call`; true for a lock, false for an update). `restored` and `shared` are then ignored.
     interrupted: Option<(u32, usize, bool)>,
 }
 
@@ -282,7 +284,7 @@ fn stepped<T: Filmed, A>(
         if let Some(done) = done {
             return done;
         }
-        // A step costs nothing if its offset was scored before.
+        // A step costs nothing if the search has already scored its offset. At most two steps of a call may do so.
         idle += u32::from(work == before);
         assert!(idle < 3, "every step makes progress");
         refused(tracker);
@@ -347,7 +349,8 @@ impl<'a, T: Filmed> Twins<'a, T> {
         }
     }
 
-    /// Begins an update or lock in the frame `elsewhere`, then interrupts it by the call with index `number`.
+    /// Begins an update (a lock if `locks`) of the second tracker in the frame `elsewhere`, with `part` / 256 of the
+    /// last call's work, then interrupts it by the call with index `number` in `call`.
     fn interrupt(&mut self, frame: &Frame<'_>, elsewhere: &Frame<'_>, (part, number, locks): (u32, usize, bool)) {
         let Self { plain, other, film: Film { target: first, .. }, .. } = self;
         let (bytes, grant) = (saved(other.target()), plain.work() / 256 * part);

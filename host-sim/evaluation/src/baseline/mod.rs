@@ -13,7 +13,7 @@ use smr_core::unstable::Window;
 use smr_core::{Frame, Image, LockError, Rect, UpdateError};
 use smr_recordings::BoundingBox;
 
-/// Maximum number of pixels of a box, 1024x1024, for which all sums are still exact.
+/// Maximum number of pixels of a box, 1024x1024. Up to it, the integer sums of the SAD, SSD and NCC scores are exact.
 pub(super) const MAX_PIXELS: u32 = 1 << 20;
 
 pub(super) struct Baseline {
@@ -141,7 +141,8 @@ fn best(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64)
 /// A row of pixels of the frame, and a row of the template, which may be shorter.
 type Pair<'a> = (&'a [u8], &'a [u8]);
 
-/// Returns the sum of `pixel` over all pairs of pixels; stops after the row in which the sum exceeds `enough`.
+/// Returns the sum of `pixel(f, g)` over all frame pixels f, each with the template pixel g at its place. Stops after
+/// the row in which the sum exceeds `enough`.
 #[inline]
 fn difference<'a>(rows: impl Iterator<Item = Pair<'a>>, enough: f64, pixel: impl Fn(u8, u8) -> u32) -> f64 {
     let mut sum = 0.0;
@@ -169,7 +170,8 @@ impl Spread {
         Self { pixels, sum, spread: pixels * squares - sum * sum }
     }
 
-    /// Returns the correlation coefficient with a box: `sum` adds up its levels, `squares` their squares, exactly.
+    /// Returns the correlation coefficient of the template and a box, 0 if one is uniform. `sum` and `squares` are the
+    /// exact sums of the box's levels and of their squares.
     fn correlation<'a>(&self, [sum, squares]: [i64; 2], rows: impl Iterator<Item = Pair<'a>>) -> f64 {
         let of_row = |(f, g): Pair<'_>| f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum::<u32>();
         let products: i64 = rows.map(|row| i64::from(of_row(row))).sum();

@@ -14,7 +14,7 @@ pub(crate) struct RunFigures {
     counts: Figures,
     answered_visible: usize,
     updates: u64,
-    /// Byte comparisons of all updates; `None` if one update did not count them.
+    /// Sum of `Report::work` over all updates; `None` if it is `None` in one of them.
     work: Option<u64>,
     time: Duration,
 }
@@ -63,7 +63,7 @@ pub(super) const HEADLINE: [(&str, &str); 3] =
 macro_rules! figures {
     ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident, $title:literal $digits:literal
         $(, $ratio:literal $part:ident $whole:ident)?;)*) => {
-        /// Figures of a method on a recording over all starts, or on several recordings on average.
+        /// Figures of a method: on one recording, over all its starts; or over several recordings, as means and sums.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub(crate) struct Figures {
             $($(#[$doc])* pub $figure: $type,)*
@@ -102,19 +102,20 @@ figures! {
     answered_hidden: usize = sum, "" 0, "answered/hidden" answered_hidden hidden;
     /// Number of times that the target came back after it was hidden, summed over the starts.
     returns: usize = sum, "" 0;
-    /// Number of times that the target came back and a correct answer followed within the first 50 frames.
+    /// Number of returns with a correct answer in the first 50 frames from the return on, summed over the starts.
     found_again: usize = sum, "" 0, "found/returns" found_again returns;
     tracking: usize = sum, "" 0;
-    /// Updates with the state *tracking* in which the target is hidden or the box is wrong.
+    /// Updates with the state *tracking* in which the target is hidden, or the answer is missing or not correct.
     tracking_wrong: usize = sum, "" 0, "wrong/tracking" tracking_wrong tracking;
-    /// Updates in which the target is hidden or the box is wrong.
+    /// Updates, in any state, in which the target is hidden, or the answer is missing or not correct.
     wrong: usize = sum, "" 0, "tracking/wrong" tracking_wrong wrong;
     right: usize = sum, "" 0;
-    /// Updates in which the box is right but the state is not *tracking*.
+    /// Updates in which the answer is correct but the state is not *tracking*.
     right_unsaid: usize = sum, "" 0, "unsaid/right" right_unsaid right;
     /// Upper bound of the byte comparisons per update; `None` from methods that do not count them.
     work_per_frame: Option<f64> = mean_of_all, "work/frame" 0;
-    /// Microseconds per update while other threads run. The only figure that differs from run to run.
+    /// Microseconds per update, while other threads may run trackers too. Only this figure changes if `eval` is
+    /// repeated.
     microseconds_per_frame: f64 = mean, "us/frame" 0;
 }
 
@@ -137,8 +138,9 @@ fn sum(parts: impl Iterator<Item = usize>) -> usize {
 }
 
 impl Figures {
-    /// Averages the runs of one recording. Fractions of frames are means over the starts. IoU, precision, comparisons
-    /// and time are means over all frames of all starts.
+    /// Combines the runs of one recording, one per start. Fractions of the visible frames and F are means over the runs
+    /// (`worst_correct`: the lowest fraction); counts are sums. IoU, precision, comparisons and time are means over the
+    /// frames, answers or updates of all runs together.
     pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
         let mean = |of: fn(&Score) -> f64| ratio(runs.iter().map(|run| of(&run.score)).sum(), runs.len() as f64);
         let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>() as f64;
@@ -191,7 +193,7 @@ mod tests {
         Run { reports, time: Duration::from_micros(microseconds), ..Run::default() }
     }
 
-    /// Two starts in six frames, the target hidden in the last two.
+    /// Two runs in a recording of six frames, one from its first and one from its second. The last two hide the target.
     fn runs(work: Option<u32>) -> [RunFigures; 2] {
         use State::{Lost, Tracking, Uncertain};
         let truth = [at(0.0), at(0.0), at(0.0), at(0.0), None, None];
@@ -210,7 +212,7 @@ mod tests {
         let expected = Figures {
             mean_correct: (2.0 / 4.0 + 1.0 / 3.0) / 2.0,
             worst_correct: 1.0 / 3.0,
-            // Only the frames of the locks have an IoU above 0.5.
+            // In each run, only the first frame, that of the lock, has an IoU above 0.5.
             mean_correct_50: (1.0 / 4.0 + 1.0 / 3.0) / 2.0,
             // First start: 2 of 4 answers and 2 of 4 visible frames are correct; second start: 1 of 3 and 1 of 3.
             f: (1.0 / 2.0 + 1.0 / 3.0) / 2.0,
@@ -222,7 +224,7 @@ mod tests {
             found_again: 0,
             tracking: 3,
             tracking_wrong: 3,
-            // 11 frames, minus 2 frames of the locks and 1 frame with a right box.
+            // 11 frames in both runs, minus 2 frames of locks (no updates) and 1 update with a correct answer.
             wrong: 8,
             right: 1,
             right_unsaid: 1,

@@ -1,4 +1,4 @@
-//! Robustness: runs each tracker from several starts of a recording and averages.
+//! Robustness: runs each tracker from several starts of a recording and averages the figures over the starts.
 //!
 //! A run is scored by TLD's protocol, from its first frame on. The start box and that frame's truth normalise answers.
 
@@ -24,13 +24,13 @@ use std::path::{Path, PathBuf};
 struct Row<'a> {
     variant: &'a Variant,
     sequence: String,
-    /// Folder of the recording. All recordings of a folder get a common mean.
+    /// Folder of the recording. If there are several folders, each tracker gets a mean over each folder's recordings.
     folder: PathBuf,
     figures: Figures,
     starts: Vec<(Case, Score)>,
 }
 
-/// Table columns of a start. Frames count from 1.
+/// Table columns of a start. Frames are numbered from 1.
 const START: &[Column<(Case, Score)>] = &[
     ("start", "", 0, |(case, _)| case.name.as_str().into()),
     ("frame", "", 0, |(case, _)| (case.frame + 1).into()),
@@ -71,8 +71,8 @@ pub fn measure(
     Measured { tables, failures, notes: Vec::new(), is_empty: rows.is_empty() }
 }
 
-/// Returns three tables. First: figures by method and recording. Second: the starts of each row of the first table, in
-/// its order. Third: means over all recordings and, if there are several folders, over each folder's recordings.
+/// Returns three tables. First: figures, one row per method and recording. Second: the starts of these rows, row after
+/// row. Third: means over all recordings and, if there are several folders, over each folder's recordings.
 fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     let (figures, origin) = (Head::all(Figures::COLUMNS), Head::all(Origin::COLUMNS));
     let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")]);
@@ -212,7 +212,7 @@ mod tests {
     fn every_method_runs_from_every_start() {
         let (json, _) = measured(&["a/moving"], |_| Ok(sequence()), "every:1");
         let figures = column(&json, "measured", &["tracker", "mean_correct", "worst_correct", "mean_iou", "precision"]);
-        // Seven answers, two of them while hidden.
+        // Both starts together give seven answers, two of them in the frame that hides the target.
         let expected = |tracker| serde_json::json!([tracker, 1.0, 1.0, 1.0, 5.0 / 7.0]);
         assert_eq!(serde_json::to_value(figures).unwrap(), serde_json::json!([expected("smr"), expected("sad")]));
         let hidden = column(&json, "measured", &["answered_hidden", "hidden"]);

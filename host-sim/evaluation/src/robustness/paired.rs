@@ -38,7 +38,8 @@ struct FormerStart {
     frame: usize,
 }
 
-/// Tables of an earlier measurement. Starts have the order of the rows in `measured`.
+/// Tables of a measurement, earlier or new. `starts` begins with all starts of the first row of `measured`, then has
+/// those of the second row, and so on.
 #[derive(Deserialize)]
 struct FormerTables {
     measured: Vec<FormerRow>,

@@ -89,7 +89,7 @@ pub struct Answer<'a> {
     /// Time of the frame in seconds, if known.
     pub time: Option<f64>,
     pub size: (u16, u16),
-    /// `None` before the target's first box, and while it is gone.
+    /// `None` before the target's first box, and while the target is gone.
     pub report: Option<&'a Report>,
     /// Suitability of the target for tracking; only in the frame of a lock.
     pub quality: Option<Quality>,
@@ -202,7 +202,8 @@ struct JsonLine<'a> {
     scale: Option<f64>,
     found_again: Option<bool>,
     work: Option<u32>,
-    /// Only in a frame of a lock: 1 if the target differs clearly from its surroundings, 0 if it looks like them.
+    /// Suitability of the target for tracking, 0 (looks like its surroundings) to 1 (differs clearly); null except in a
+    /// frame of a lock.
     quality: Option<f64>,
 }
 
@@ -224,7 +225,7 @@ fn mot(&Answer { target, frame, report, .. }: &Answer<'_>) -> String {
     format!("{frame},{number},{},{},{width},{height},{confidence},-1,-1,-1\n", x + 1.0, y + 1.0)
 }
 
-/// Returns the confidence; 1 for a box that the user gave.
+/// Returns the confidence; 1 for a box that the user gave, or from a method that computes no confidence.
 fn score(report: &Report) -> f64 {
     report.confidence().map_or(1.0, rounded)
 }

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 const IN_A_LINE: usize = 24;
 
-/// Names that a C array must not have: keywords of C23 and C++23, words of compilers (`linux`), names in headers.
+/// Names that a C array must not have: keywords of C23 and C++23, macros of compilers (`linux`), names in headers.
 const TAKEN: &str = "
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class co_await co_return co_yield compl concept const const_cast
     consteval constexpr constinit continue decltype default delete do double dynamic_cast else enum explicit export extern false float for friend

@@ -1,7 +1,7 @@
 //! Writes raw frames as Matroska: of the formats that ffmpeg reads from a pipe, no other has raw frames with times. A
 //! file consists of elements (identifier, size, data): see <https://www.matroska.org/technical/elements.html>.
 
-/// Size field of an element of unknown size, which extends to the next element of its kind.
+/// Size field that means "unknown". The element, here the segment with all frames, extends to the end of the file.
 const UNKNOWN: [u8; 8] = [1, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF];
 /// Unit of all timestamps, in nanoseconds.
 const MICROSECOND: u64 = 1000;

@@ -48,8 +48,8 @@ pub struct Plan {
 }
 
 impl Film {
-    /// Begins the film `out`: a file with one of [`ENDINGS`], or a new folder for pictures.
-    /// Errors: `out` cannot be written, or its extension is that of another kind of video.
+    /// Begins the film `out`: a video if its extension is one of [`ENDINGS`], or a new folder for pictures if it has
+    /// none or ends with `/`. Errors: `out` has another extension, or cannot be written.
     pub fn create(out: &Path, plan: Plan) -> Result<Self> {
         let extension = out.extension().filter(|_| !out.as_os_str().as_encoded_bytes().ends_with(b"/"));
         let extension = extension.and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();

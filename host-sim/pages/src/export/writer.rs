@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// Frame rate that is written into files, in frames a second, because a recording has no rate of its own.
 const RATE: u32 = 25;
 
-/// A file, a folder of pictures, or the layout of a toolkit.
+/// Format of a written recording: one file with all frames, a folder of pictures, or the layout of a toolkit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Format {
     /// A folder of PNG pictures, 00001.png ...
@@ -69,7 +69,7 @@ pub struct Written {
     pub height: u16,
     /// Total size of all frames in bytes, including the headers of their format.
     pub bytes: u64,
-    /// Names of the files besides the frames: boxes, and a toolkit's texts.
+    /// Names of the text files written beside the frames: boxes and, for a toolkit, its labels and metadata.
     pub boxes: Vec<&'static str>,
     /// File with a list of sequences, to which the recording was added.
     pub list: Option<PathBuf>,
@@ -92,7 +92,7 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Creates the recording `name`: a single file if `out` has the extension of `format`, else a folder with boxes.
+    /// Creates a recording `name`: one file if `out` has an extension of `format`, else a folder of frames and boxes.
     pub fn create(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
         let mut writer =
             Self { name: name.to_owned(), format, start, file: None, folder: None, written: Written::default() };
@@ -145,8 +145,9 @@ impl Writer {
         self.folder.as_ref().map_or(Ok(()), |folder| folder.write(&picture, bytes))
     }
 
-    /// Ends the recording. A folder gets `init.txt` and, with `truth`, `gt.txt` (both in TLD's format). A toolkit's
-    /// files get `truth` if it has an entry for each frame and a box in the first, else only the start box.
+    /// Ends the recording. A folder not for a toolkit gets the start box in `init.txt` and `truth` in `gt.txt`, both in
+    /// TLD's format. A toolkit's files get `truth` if `truth` has an entry for each frame and a box in the first, else
+    /// only the start box.
     pub fn finish(mut self, truth: Option<&[Option<BoundingBox>]>) -> Result<Written> {
         if self.format == Format::H && self.written.frames > 0 {
             let foot = c_array::foot(&self.name);
@@ -204,7 +205,7 @@ fn files(
     let lines = |line: &dyn Fn(Option<&BoundingBox>) -> String| {
         boxes.iter().map(|entry| line(entry.as_ref()) + "\n").collect::<String>()
     };
-    // If a frame has no box, OTB's and GOT-10k's toolkits need four values that are not NaN; VOT's reads a single one.
+    // For a frame without a box, OTB's and GOT-10k's toolkits need four values other than NaN; VOT's reads one value.
     let shown = |form: Form| lines(&|entry| entry.map_or_else(|| "0,0,0,0".to_owned(), |seen| form.line(Some(seen))));
     if format == Format::Otb {
         return vec![("groundtruth_rect.txt", shown(Form::Otb))];
@@ -221,7 +222,7 @@ fn files(
         let is_cut =
             |of: &BoundingBox| of.x < 0.0 || of.y < 0.0 || of.x + of.width > right || of.y + of.height > bottom;
         files.push(("absence.label", lines(&|entry| u8::from(entry.is_none()).to_string())));
-        // The visible fraction of a target is unknown: 8 of 8 parts are written, or 0 if it is not visible.
+        // The visible eighths of the target are unknown: 8 is written for a frame with a box, 0 without a box.
         files.push(("cover.label", lines(&|entry| if entry.is_some() { "8" } else { "0" }.to_owned())));
         files.push(("cut_by_image.label", lines(&|entry| u8::from(entry.is_some_and(is_cut)).to_string())));
     }
@@ -236,9 +237,9 @@ fn files(
     files
 }
 
-/// Writes the configuration of a workspace of the VOT toolkit and returns its path, if `list` is in a folder called
-/// `sequences`, as in a workspace, and there is no configuration yet. The configuration names no data set, so that the
-/// toolkit downloads nothing. Version 0.9 of the toolkit runs the experiment that it contains.
+/// Writes the configuration of a workspace of the VOT toolkit and returns its path, if `format` is VOT, `list` is in a
+/// folder called `sequences`, as in a workspace, and there is no configuration yet. The configuration names no data
+/// set, so that the toolkit downloads nothing. Version 0.9 of the toolkit runs the configured experiment.
 fn configure(format: Format, list: &Path) -> Result<Option<PathBuf>> {
     const WORKSPACE: &str = "registry:\n- trackers.ini\nsequences: sequences\nstack:\n  title: Recordings of host-sim\n  experiments:\n    unsupervised:\n      type: unsupervised\n";
     let above = list.parent().filter(|above| above.ends_with("sequences") && format == Format::Vot);

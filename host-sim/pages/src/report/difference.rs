@@ -6,7 +6,7 @@ use anyhow::Result;
 use smr_core::Rect;
 use smr_recordings::GrayFrame;
 
-/// A template, and in `pixels` its difference |F - G| from a box of the frame, at the template's resolution.
+/// A template G, and in `pixels` its differences |F - G| from a patch F of the frame, as large as the template.
 pub(super) struct Difference {
     pub pixels: GrayFrame,
     pub template: GrayFrame,
@@ -14,7 +14,7 @@ pub(super) struct Difference {
 
 /// Gray levels that one bar of a histogram spans.
 pub(super) const BAR: usize = 2;
-/// Number of bars of a histogram. The last bar includes all larger differences: most exceed alpha and do not count.
+/// Number of bars of a histogram. The last bar has all differences from 126 up: most exceed alpha, so do not count.
 pub(super) const BARS: usize = 64;
 
 impl Difference {
@@ -34,7 +34,7 @@ impl Difference {
         counts.map(|count| f64::from(count) / self.pixels.pixels.len().max(1) as f64)
     }
 
-    /// Returns the fraction of the pixels that count: their difference is below `alpha`.
+    /// Returns the fraction of pixels whose difference is below `alpha`, the pixels that count.
     pub fn counting(&self, alpha: u16) -> f64 {
         let counting = self.pixels.pixels.iter().filter(|&&difference| u16::from(difference) < alpha).count();
         counting as f64 / self.pixels.pixels.len().max(1) as f64

@@ -26,7 +26,7 @@ pub struct Film {
     pub(super) truth: Option<Vec<Option<BoundingBox>>>,
     pub(super) pictures: Option<Pictures>,
     pub(super) files: Vec<ResultFile>,
-    /// For each entry of `files`, the index of its name among all files of the page. The index selects the color.
+    /// For each entry of `files`, the index of its name among the page's distinct file names. It selects the color.
     pub(super) file_name_indices: Vec<usize>,
     pub(super) first: usize,
     /// Remarks for the reader: methods that were left out, and why.
@@ -37,7 +37,7 @@ pub struct Film {
 pub(super) struct Locked {
     /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
-    /// (frame index, box to lock on) in order; `None` if the target is gone until its next box.
+    /// (frame index, box to lock on) in order. With `None`, the target is gone from this frame on, until its next box.
     pub starts: Vec<(usize, Option<Rect>)>,
 }
 
@@ -72,7 +72,7 @@ pub enum Refusal {
 }
 
 pub struct Moment {
-    /// A report for each method. It is *lost* before the first box of a target, and while the target is gone.
+    /// One report for each method. A report is *lost* before its target's first box, and while its target is gone.
     pub reports: Vec<Report>,
     /// Box to draw for each method. If the target is lost: the last accepted box, or one found but not confirmed.
     pub(super) lasts: Vec<BoundingBox>,
@@ -86,9 +86,10 @@ pub(super) struct Still {
 }
 
 /// Runs all `methods` on all `targets` of the sequence; without targets, on the sequence's start box. Frames are not
-/// kept, except the `stills` (indices from 0) and, with `budget`, small pictures of all frames in this many bytes.
-/// `progress` is called after each frame. A film of several targets has no ground truth.
-/// Errors: No method, no initial box, a frame that cannot be read or tracked, or a still or a box in a frame that does not exist.
+/// kept, except the `stills` (indices from 0) and, with `budget`, small pictures of as many frames as fit into this
+/// many bytes: all, or every 2nd, 4th, ... frame. `progress` is called after each frame. A film of several targets has
+/// no ground truth. Errors: No method, no initial box, a frame that cannot be read or tracked, or a still or a box in a
+/// frame that does not exist.
 pub fn watch(
     sequence: Sequence,
     mut targets: Vec<Target>,
@@ -192,7 +193,7 @@ fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first
 }
 
 impl Film {
-    /// Returns as JSON the count of small pictures for the player and their longest side; `None` without pictures.
+    /// Returns as JSON the count of the player's pictures and their longest side in pixels; `None` without pictures.
     pub fn pictures(&self) -> Option<Value> {
         let pictures = self.pictures.as_ref()?;
         Some(json!({ "frames": pictures.kept.len(), "longest_side": pictures.side() }))

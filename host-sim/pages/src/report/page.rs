@@ -28,7 +28,8 @@ pub struct About {
 }
 
 /// Renders the page in at most `budget` bytes: pictures of frames get smaller, then fewer, until it fits.
-/// Errors: No film, ground truth of another length, a picture that cannot be encoded, or figures that alone take more than the budget.
+/// Errors: No film, ground truth of another length, a picture that cannot be encoded, or a page over the budget even
+/// with the fewest and smallest pictures.
 pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> {
     ensure!(!films.is_empty(), "there is no recording to show");
     place_files(films);

@@ -278,7 +278,8 @@ fn planned(target: &Target, settings_index: usize) -> impl Iterator<Item = (Key,
     })
 }
 
-/// Returns the first and the last frame in which two lists of locks need different answers.
+/// Returns the first and the last frame of the range in which a target's answers can differ between the lists of locks
+/// `old` and `new`; `None` if the lists are equal.
 fn differing(old: &[Lock], new: &[Lock]) -> Option<(usize, usize)> {
     let same = old.iter().zip(new).take_while(|(old, new)| old == new).count();
     let (old, new) = (&old[same..], &new[same..]);
@@ -287,7 +288,7 @@ fn differing(old: &[Lock], new: &[Lock]) -> Option<(usize, usize)> {
     Some((from, if behind == 0 { usize::MAX } else { new[new.len() - behind].frame - 1 }))
 }
 
-/// The changes after a log position, for a page that polls.
+/// Changes of targets, answers, messages, files and frames after a position in the change log, for a page that polls.
 pub(super) struct Changes {
     pub position: u64,
     /// Frame ranges whose answers the page discards before it stores `rows`.
@@ -364,8 +365,9 @@ impl Followed {
     }
 
     /// Replaces the targets, tracks only changed frame ranges again, and returns the new revision; `revision` is the
-    /// latest that the page has seen. Errors: A box without pixels, two locks of a target in one frame, a target gone
-    /// without a box, a frame that is not there or no longer kept, or targets that another page has changed.
+    /// latest that the page has seen. Errors: A box without pixels, two locks of a target in one frame, a target that
+    /// is gone before its first box or twice without a box between, a frame that is not there or no longer kept, an
+    /// invalid name, two targets with one id, or targets that another page has changed.
     pub(super) fn set_targets(&self, targets: Vec<Target>, revision: Option<u64>, source: &dyn Source) -> Result<u64> {
         let (known, oldest) = (source.known().frames, source.oldest());
         self.change(|state| {
@@ -476,12 +478,13 @@ impl Followed {
         let at = open.map(|reached| state.at.unwrap_or((reached, 0.0)));
         let ends = state.plan().filter_map(|(key, end)| Some(state.segments.get(&key)?.next().min(end) - 1));
         let stays_gone = state.targets.iter().any(|target| target.locks.last().is_some_and(|lock| lock.bbox.is_none()));
-        // A target that stays gone needs no more answers, so the recording is done to its end.
+        // If a target stays gone after its last lock, it needs no more answers, so all frames count as done.
         let done = || ends.chain(state.frames(known).filter(|_| stays_gone)).max();
         (open.or_else(done).unwrap_or(0), at)
     }
 
-    /// Returns the last frame before damaged data, for the option `--frames`; `None` if a later frame has a lock.
+    /// Returns the last frame before damaged data, for the option `--frames`; `None` if no damage is known, the first
+    /// frame is damaged, or a frame after the last intact one has a lock.
     pub fn last_intact(&self) -> Option<usize> {
         let state = self.state();
         let mut locks = state.targets.iter().flat_map(|target| &target.locks);
@@ -531,7 +534,7 @@ impl Following<'_> {
                     state.segments.entry(key).and_modify(|segment| segment.rows.clear());
                 }
             }
-            // Only the lock's frame is indispensable: after it, a tracker may skip frames of a camera.
+            // A segment needs its lock's frame to start. Once it has started, its tracker may skip frames of a camera.
             let (late, tasks): (Vec<Task>, _) =
                 state.tasks().into_iter().partition(|task| task.next < oldest && !task.has_begun());
             for Task { key, next } in late {
@@ -650,7 +653,8 @@ impl Following<'_> {
         })
     }
 
-    /// Returns a tracker's answer; in the frame of the lock, builds the tracker first and adds the target's quality.
+    /// Returns a tracker's report on a frame. In the frame of the lock, builds the tracker first and also returns the
+    /// target's quality.
     fn answer(
         &mut self,
         key: Key,

@@ -1,10 +1,11 @@
-//! A cache of limited size, by frame number. It evicts the frames with the numbers farthest from the last insertion's.
+//! A cache of limited size, keyed by frame number. It evicts the frames farthest from the one inserted last.
 
 use std::collections::BTreeMap;
 
 pub(super) struct FrameCache<T> {
     of: BTreeMap<usize, T>,
-    /// Sum of `size_of` over all frames, at most `most`, except that a single frame stays however large it is.
+    /// Total size of the cached frames, in the unit of the function `size_of`. It is at most `most`, except that a
+    /// single frame stays however large it is.
     size: usize,
     most: usize,
     size_of: fn(&T) -> usize,

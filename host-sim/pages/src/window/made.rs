@@ -20,7 +20,7 @@ pub struct Job {
     pub name: String,
     /// Arguments of `host-sim`, without the path of the output file, which is appended.
     pub words: Vec<OsString>,
-    /// Count of lines that the program prints until it is done, for its progress; 0 if it prints none.
+    /// Count of lines that the program prints until it is done, to compute its progress; 0 if it prints none.
     pub lines: usize,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct Progress {
 
 const MOST: usize = 2;
 
-/// Files ordered on the page, removed when the program ends.
+/// Files ordered on the page. They are removed when the program that serves the page ends.
 pub struct Made {
     folder: Exchange,
     progress: Mutex<BTreeMap<u32, Progress>>,
@@ -59,7 +59,8 @@ impl Made {
         self.progress().get(&id).cloned()
     }
 
-    /// Returns the folder of file `id`. Leftovers of a cancelled program are removed with the folder.
+    /// Returns the folder that file `id` is written to. If its program is cancelled or fails, the folder is removed
+    /// with all leftovers.
     fn folder_of(&self, id: u32) -> PathBuf {
         self.folder.path().join(id.to_string())
     }

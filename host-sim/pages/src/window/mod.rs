@@ -44,7 +44,7 @@ fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// A source of frames for the window: a recording or a camera. Frame numbers start at 1.
 pub trait Source: Send + Sync {
-    /// Returns the count of frames known so far and their times in seconds. Both only grow.
+    /// Returns the count of frames known so far and the list of their times in seconds. Neither ever gets shorter.
     fn known(&self) -> Known;
 
     /// Reads the gray frames from frame `number` on. Errors: They cannot be read, or are not kept any more.

@@ -114,7 +114,7 @@ impl Source for Growing {
         let steps_back = number < pictures.last && pictures.last - number < NEAR;
         let begin = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
         pictures.last = number;
-        // If a frame before the requested one cannot be read, a second attempt seeks to the requested one itself.
+        // If an attempt that starts at an earlier frame fails, a second one seeks to the requested frame itself.
         let begins = [Some(begin).filter(|_| !is_near), Some(number).filter(|_| is_near || begin < number)];
         begins.into_iter().find_map(|begin| {
             if let Some(begin) = begin {
@@ -137,7 +137,8 @@ impl Source for Growing {
     }
 }
 
-/// Returns the bytes of a file, or the number of files in a folder; 0 for a built-in recording.
+/// Returns the size of a file in bytes, or the number of entries in a folder and its subfolders `INNER`; 0 for a
+/// built-in recording.
 fn size(path: &Path) -> u64 {
     let files = |folder: &str| fs::read_dir(path.join(folder)).map_or(0, |files| files.count() as u64);
     match fs::metadata(path) {

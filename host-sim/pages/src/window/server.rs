@@ -130,7 +130,7 @@ impl Server {
                     let _ = server.serve_connection(TokioIo::new(Box::pin(stream)), service).await;
                     served.strangers().remove(&id);
                 });
-                // The task cannot have ended yet, because it starts later on this thread.
+                // The task cannot have removed this entry already: it runs on this thread, from the next `await` on.
                 let mut strangers = door.strangers();
                 strangers.insert(id, task.abort_handle());
                 if strangers.len() > MOST_STRANGERS

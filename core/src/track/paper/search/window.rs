@@ -82,7 +82,7 @@ impl Window {
         (self.left.saturating_add(column as i32), self.top.saturating_add(row as i32))
     }
 
-    /// The (columns, rows) of the largest window of `radius` around a box of `target`'s size, anywhere in the frame.
+    /// The (columns, rows) of the largest window of `radius` for a box of `target`'s size anywhere in the padded frame.
     pub(crate) fn largest_size(target: Rect, radius: Radius, bounds: Rect, padding: u16) -> (usize, usize) {
         let most = |radius: u16, frame: u16, size: u16| {
             let all = (usize::from(frame) + 2 * usize::from(padding)).saturating_sub(usize::from(size)) + 1;
@@ -100,7 +100,7 @@ impl Window {
     }
 }
 
-/// An offset and its score.
+/// A position of the box in the search window (an offset), and its score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Peak {
@@ -108,7 +108,7 @@ pub struct Peak {
     pub x: i32,
     /// Top edge of the box, in pixels of the frame.
     pub y: i32,
-    /// The sum of the similarities, each in units of 1/65535.
+    /// The sum of the similarities of all template pixels at this position, in units of 1/65535.
     pub score: u32,
 }
 
@@ -149,11 +149,12 @@ pub struct Peaks {
     /// The offset with the largest score.
     pub peak: Peak,
     /// The largest score outside the peak's neighbourhood; 0 if the neighbourhood covers the window. `None` if the
-    /// decision did not depend on it: see [`runner_up_always`](crate::paper::Config::runner_up_always).
+    /// gate's decision did not depend on it: see [`runner_up_always`](crate::paper::Config::runner_up_always).
     pub runner_up: Option<u32>,
 }
 
-/// (first, count) of the frame's pixels that a box at the positions `first..=last` covers on an axis; at least one.
+/// (first, count) of the frame's pixels on an axis that a box covers at the positions `first..=last`; if it covers
+/// none, the frame's nearest pixel.
 #[cfg_attr(smr_small, inline(never))]
 fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     let frame = i32::from(frame);
@@ -162,7 +163,8 @@ fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     (from, u16::try_from(end - from).unwrap_or(u16::MAX))
 }
 
-/// (first, last) position of the window on an axis. For any `at`, the range is not empty and not beyond the padding.
+/// (first, last) position of the window around `at` on an axis, clamped to the positions of the box in the padded
+/// frame. The range is not empty, even if `at` lies outside.
 #[cfg_attr(smr_small, inline(never))]
 fn span(at: i32, radius: u16, padding: u16, frame: u16, size: u16) -> (i32, i32) {
     let first = -i32::from(padding);

@@ -42,17 +42,18 @@ impl Evidence {
     }
 }
 
-/// The running mean of the evidence, in units of 1/65536, 0 to 1.5.
+/// The running mean of the evidence: 0 to 98,304, in units of 1/65536.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Confidence(i32);
 
 impl Confidence {
     pub(super) const FULL: Self = Self(MOST_EVIDENCE);
 
-    /// The confidence in a target that is given up, and searched only by redetection.
+    /// The confidence in a target that the refiner gives up: only redetection can find it again.
     pub(crate) const NONE: Self = Self(0);
 
-    /// The confidence after redetection: the evidence clamped to the *uncertain* range, or `lost_below` if it is empty.
+    /// The confidence after redetection: the evidence, clamped to the means that give the state *uncertain*. If no mean
+    /// gives it, the least mean that is not *lost*.
     pub(crate) fn found(evidence: Evidence, config: &Config) -> Self {
         let below = |bound: u16| (3 * i32::from(bound) + 1) / 2;
         Self(evidence.0.min(below(config.uncertain_below) - 1).max(below(config.lost_below)))
@@ -123,7 +124,7 @@ mod tests {
     #[test]
     fn states_begin_at_their_thresholds() {
         let state = |mean: i32| Confidence(mean).state(&Config::robust());
-        // The thresholds apply to the confidence, 2/3 of the mean.
+        // The thresholds, 19,200 and 32,500, apply to the confidence, which is 2/3 of the mean.
         assert_eq!([state(28_799), state(28_800)], [State::Lost, State::Uncertain]);
         assert_eq!([state(48_749), state(48_750)], [State::Uncertain, State::Tracking]);
     }

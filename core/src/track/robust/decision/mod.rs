@@ -1,4 +1,5 @@
-//! The decision: the state (`confidence`), the search for a lost target (`redetection`), the memory (`track`, `saved`).
+//! The decision: the target's state (`confidence`), the search for a lost target (`redetection`), and the memory of a
+//! target from frame to frame (`track`, `saved`).
 
 mod confidence;
 mod redetection;

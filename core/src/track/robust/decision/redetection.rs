@@ -1,4 +1,4 @@
-//! Redetection: while the target is lost, each frame searches additional windows, which sweep the whole picture.
+//! Redetection: for a lost target, each update searches more windows. Over several frames they cover the whole picture.
 //!
 //! The windows cover the picture side by side, row by row. A frame searches and verifies the next `Config::sweep`
 //! windows, until one shows the target, but none beyond the end of a row, so that they lie in one rectangle.
@@ -21,7 +21,8 @@ impl Sweep {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// The next window's middle, and true if the window ends a row. Middles are at most `side` / 4096 pixels apart.
+    /// The next window's middle, in units of 1/4096 pixel, and true if the window ends a row of windows. The middles of
+    /// neighbouring windows are at most `side` / 4096 pixels apart.
     pub(crate) fn middle(self, side: u32, bounds: Rect) -> ((i64, i64), bool) {
         let (columns, rows) = (count(bounds.width, side), count(bounds.height, side));
         let number = self.next % (columns * rows).max(1);
@@ -30,8 +31,8 @@ impl Sweep {
     }
 }
 
-/// The number of windows on an axis. `side` is at least 13,088: two times 4 cells of 4 samples, which are at least
-/// 409/4096 pixel apart. So the product of the counts on both axes is below 2^32.
+/// The number of windows on an axis. `side` is at least 2 * 4 * 4 * 409 = 13,088: twice the least reach (4 cells of 4
+/// samples), at the least step of 409/4096 pixel. So the product of the counts on both axes is below 2^32.
 fn count(size: u16, side: u32) -> u32 {
     (u32::from(size) << PIXEL_BITS).div_ceil(side.max(1)).max(1)
 }

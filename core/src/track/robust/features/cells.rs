@@ -1,4 +1,4 @@
-//! Cells of gradient orientations (HOG; Dalal and Triggs, 2005) and gray: ten features for each cell of 4x4 samples.
+//! Ten features for each cell of 4x4 samples: nine gradient orientations (HOG; Dalal and Triggs, 2005) and gray.
 //!
 //! ```text
 //! x[c, k] = gain * h[c, k] / (norm(c) + floor),   k = 0 to 8: gradients at 20 k or 20 k + 180 degrees
@@ -29,7 +29,7 @@ use heapless::Vec;
 /// Cells in the longest row of a search window.
 pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 
-/// Units of work for each sample, including its share of its cell's features.
+/// Units of work for each sample: for sampling it, and 1/16 of the work on its cell's features.
 const FEATURED: u32 = 64;
 /// Lines of samples that a row of cells needs: `CELL` in the cells, and for the gradients one above and one below them.
 const LINES: u32 = CELL as u32 + 2;
@@ -109,7 +109,7 @@ impl Extractor {
         lattice.prepare(bounds, &mut self.sampling);
     }
 
-    /// Computes the next row of cells. True after the last row, or if a needed pixel is not in memory.
+    /// Computes the next row of cells. Returns true to end: after the last row, or if a needed pixel is not in memory.
     #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [i8], budget: &mut Budget) -> bool {
         let done = self.row(frame, out);

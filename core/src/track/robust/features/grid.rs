@@ -1,5 +1,5 @@
-//! The target's grid: the step at which the frame is resampled, and the shapes of template and filter on it. A target
-//! of any size has about 1600 pixels on its grid, so its size hardly changes the cost.
+//! The target's grid: the step at which the frame is resampled, and the shapes of template and filter on the grid. A
+//! target of 400 or more frame pixels has about 1600 pixels on its grid, so its size hardly changes the cost.
 //!
 //! ```text
 //! step = sqrt(area / 1600) pixels of the frame, at least half a pixel
@@ -30,8 +30,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The grid for a box of this size, with rounded sides. The template has at most 1600 pixels, the filter at most
-    /// 200 cells, so they cover only the middle of a very long box.
+    /// The grid for a box of this size. The sides of template and filter are rounded. The template has at most 1600
+    /// pixels, the filter at most 200 cells, so both cover only the middle of a very long box.
     ///
     /// ```
     /// use smr_core::{Rect, robust::Grid};
@@ -101,7 +101,8 @@ impl Extent {
     }
 }
 
-/// The grid's step for a box: sqrt(area / `MOST_PIXELS`), rounded down, in units of 1/4096 pixel. It is below 2^23.
+/// The grid's step for a box, in units of 1/4096 pixel: the root of area / `MOST_PIXELS`, rounded down, but at least
+/// `LEAST_STEP`. It is below 2^23.
 fn step(area: u32) -> u32 {
     let square = u64::from(area) << (2 * PIXEL_BITS);
     let mut root = 0;

@@ -1,4 +1,4 @@
-//! Sampling: resamples the target and its surroundings to a lattice, by bilinear interpolation in steps of 1/256.
+//! Sampling: resamples the target and its surroundings to a lattice. Bilinear interpolation; weights in units of 1/256.
 //!
 //! For a lattice step of two pixels or more, the frame is first reduced to means of blocks of 2x2 pixels (4x4, 8x8,
 //! ...), until a step is less than two blocks. Beyond the frame its edge pixels are repeated.
@@ -100,7 +100,8 @@ impl Lattice {
         Self { x, y, step, step_down: step, columns, rows }
     }
 
-    /// The number of halvings of the frame after which `step` and `step_down` average less than two sides of a block.
+    /// The least number of halvings of the frame that makes the mean of `step` and `step_down` less than two sides of a
+    /// block.
     #[inline(never)]
     fn halvings(&self) -> u32 {
         // The least number h of halvings with which `sum` is below 2^(h + BITS).
@@ -174,7 +175,7 @@ pub(crate) struct Sampling {
     down: Axis,
     halvings: u32,
     pixels: Rect,
-    /// Block means of an even and of an odd row; unused if the frame is not halved.
+    /// The block means of one even and one odd row of blocks; unused if the frame is not halved.
     means: [Vec<u8, ROW>; 2],
     /// Indices of the two rows of blocks whose means are in `means`.
     rows_in_means: [Option<u16>; 2],
@@ -246,7 +247,8 @@ pub(super) struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    /// Samples row `number` of the lattice: each row once, from the top, because only two rows of means are kept.
+    /// Samples row `number` of the lattice. Callers go from the top to the bottom, so that each row of block means is
+    /// computed only once, although only two rows of means are kept.
     #[inline(never)]
     pub(crate) fn row(&mut self, number: u16, out: &mut [u8]) {
         let (upper, lower, fraction) = self.sampling.down.at(number);
@@ -304,7 +306,8 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// Interpolates two rows in a plain loop: vectorized by eight for Helium, fastest for `smr_swar` (slow word access).
+/// Interpolates two rows in a plain loop. For Helium the compiler vectorizes it by eight. For `smr_swar`, where access
+/// to words is slow, it is the fastest.
 #[cfg(any(smr_helium, smr_swar))]
 #[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
@@ -319,8 +322,8 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// Indices of the two columns (and rows) of a block that are read. Blocks of 2x2 pixels: both. Larger blocks: a quarter
-/// of the side from each edge.
+/// Indices of the two columns (and rows) of a block that are read: in blocks of 2x2 pixels both, in larger blocks those
+/// that begin at a quarter and at three quarters of the side.
 fn pair(halvings: u32) -> [u16; 2] {
     let side = 1_u16 << halvings;
     [side >> 2, (side >> 2) + (side >> 1)]
@@ -330,7 +333,8 @@ fn pair(halvings: u32) -> [u16; 2] {
 #[inline(never)]
 fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
     let blocks = pixels.width().div_ceil(1 << halvings);
-    // Cannot fail: the lattice has at most COLUMNS columns, less than two blocks apart.
+    // Cannot fail: a lattice with equal steps has at most `COLUMNS` columns, less than two blocks apart. The refiner's
+    // crop has 32 columns, less than four blocks apart.
     let _ = means.resize_default(blocks.into());
     let sums = sums.get_mut(..means.len()).unwrap_or_default();
     sums.fill(0);
@@ -464,7 +468,8 @@ mod tests {
         }
     }
 
-    /// Tries steps up to that of a box of 65535x65535 pixels, grown fivefold, and the longest rows of a lattice.
+    /// Tries the longest rows and columns of a lattice, with steps of up to 8192 pixels. A box of 65535x65535 pixels,
+    /// grown fivefold, has a step just below 8192 pixels.
     #[test]
     fn the_farthest_positions() {
         let (pixels, most) = (noise(65_535, 1), u16::try_from(COLUMNS).unwrap());

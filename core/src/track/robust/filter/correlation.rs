@@ -18,7 +18,7 @@
 use crate::kernels::{GradientStep, Layout, Packed, Products, ScaledSums, rolled};
 use heapless::Vec;
 
-/// The features of a window, cell by cell, and a `Layout`: which of these bytes the filter covers at each offset.
+/// The features of a window, cell by cell. `layout` tells which of the features the filter covers at each offset.
 #[derive(Clone, Copy)]
 pub(crate) struct FeatureWindow<'a> {
     pub(crate) cells: &'a [i8],
@@ -78,7 +78,8 @@ impl<const N: usize> Coded<N> {
     #[inline(never)]
     #[allow(clippy::cast_possible_truncation)] // at most 2047 + 3/4 * 8191, a coded value
     pub(super) fn set_direction(&mut self, sums: &[i32], unit: u32, beta: i64) {
-        // The largest beta, 3/4, in units of 1/65536. The shift also converts from the old direction's unit to `unit`.
+        // The largest beta, 3/4, in units of 1/65536. Of the right shift, 9 bits convert beta to this unit, and the
+        // rest accounts for the units of both directions.
         const MOST: i32 = 3 << 14;
         let beta = beta >> (9 + self.shift).saturating_sub(unit);
         let beta = i32::try_from(beta).unwrap_or(MOST).min(MOST);
@@ -88,7 +89,7 @@ impl<const N: usize> Coded<N> {
         }
     }
 
-    /// Computes one piece of the responses at all offsets, in units of 2^`shift`. True after the last piece.
+    /// Computes one piece of the responses at all offsets, without the factor 2^`shift`. True after the last piece.
     pub(crate) fn respond<const S: usize>(
         &self,
         products: Products,

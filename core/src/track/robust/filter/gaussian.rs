@@ -10,7 +10,7 @@ use super::super::features::Grid;
 use crate::kernels::rolled;
 use crate::similarity::PAPER;
 
-/// The factor exp(-256 / 255) for each 256 in x, in units of 1/65536. The table exp(-x / 255) covers only x < 256.
+/// The Gaussian's factor for each whole 256 of x, exp(-256 / 255), in units of 1/65536. The table ends at x = 255.
 const LOWER: u32 = 24_015;
 
 #[derive(Clone, Copy)]

@@ -73,7 +73,7 @@ pub(crate) struct Training<'a> {
 pub(crate) struct Sums {
     /// The gradient, in the unit of `coded_errors`. While responses are computed, scratch memory.
     pub(crate) per_weight: [i32; WEIGHTS],
-    /// First: errors before coding, in units of 1/16384. Second: scratch memory. Third: responses to the direction.
+    /// In a learning step: errors before coding, in units of 1/16384; then scratch; then responses to the direction.
     pub(super) per_offset: [[i32; SPAN]; SPAN],
     /// Errors of the responses, in units of 2^`error_shift` / 16384.
     coded_errors: [[i16; SPAN]; SPAN],
@@ -116,7 +116,7 @@ impl Sums {
         descent_before: i64,
         direction: &mut Coded<WEIGHTS>,
     ) -> i64 {
-        // Clears what the gradient left here: the step length sums over all offsets, also those without a response.
+        // Clears the gradient's scratch: `step_length` adds up all offsets, even those without a response.
         self.per_offset.as_flattened_mut().fill(0);
         let weights = training.filter.weights();
         let sums = self.per_weight.get_mut(..weights.len()).unwrap_or_default();
@@ -150,8 +150,8 @@ impl Sums {
             .apply(responses.rows.as_flattened_mut(), coded);
     }
 
-    /// The step length: `rate` / 256 of the exact one, with 44 fractional bits, below 2^47. `measured` of the `offsets`
-    /// offsets have a response to the direction.
+    /// The step length: `rate` / 256 of the exact one, with 44 fractional bits, below 2^47. `offsets` is the number of
+    /// all offsets, and `measured` the number of those with a response to the direction.
     #[inline(never)] // gives its loops registers of their own
     fn step_length(&self, direction: &[i16], descent: i64, rate: u16, [offsets, measured]: [i64; 2]) -> i64 {
         // The sum is at most 2000 * 8191^2 < 2^37.
@@ -374,7 +374,7 @@ mod tests {
         }
     }
 
-    /// Worst case: the largest beta, and a previous direction of the largest values, whose product is added to `sums`.
+    /// Checks that the numbers of a direction stay within +-8191 with the largest beta and with sums of up to +-2047.
     #[test]
     fn a_direction_stays_a_code() {
         let (mut direction, mut filter) = (Coded::<2>::new(), Filter::<2>::new());

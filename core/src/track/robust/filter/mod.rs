@@ -1,4 +1,5 @@
-//! The correlation filter: weights (`correlation`), responses (`response`, `scale`), `learning` (label: `gaussian`).
+//! The correlation filter: its weights (`correlation`), its responses (`response`, `scale`), and its learning
+//! (`learning`) with the Gaussians of the label and the mask (`gaussian`).
 
 mod correlation;
 mod gaussian;

@@ -45,7 +45,7 @@ impl Correction {
         }
     }
 
-    /// Reduces the correction by a quarter, because place and size are exact without it.
+    /// Reduces the correction by a quarter, in a frame in which the early template gives the exact place and size.
     pub(crate) fn fade(&mut self) {
         self.centre = self.centre.map(|centre| (3 * centre) >> 2);
         self.sides = self.sides.map(|side| ONE + ((3 * (side - ONE)) >> 2));

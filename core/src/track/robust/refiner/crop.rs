@@ -20,8 +20,8 @@ const ROWS: u16 = 32;
 pub(super) const SAMPLES: usize = SIDE * SIDE;
 /// Units of work for each sample that is normalised.
 const NORMALISED: u32 = 16;
-/// Upper bound of the work for a crop, in units. The mean of the steps across and down is less than two blocks of
-/// pixels, so the crop reads four pixels in each of at most (2 * `side` + 2)^2 blocks.
+/// Upper bound of the work for a crop, in units. The sampling steps across and down average less than two sides of a
+/// block of pixels, so the crop covers at most (2 * `side` + 2)^2 blocks. It reads at most four pixels of each.
 pub(super) const WORK: u32 = {
     let side = ROWS as u32;
     side * side * (SAMPLED + NORMALISED) + 4 * (2 * side + 2) * (2 * side + 2)
@@ -49,7 +49,7 @@ fn crop_of(target: FineRect) -> Lattice {
 }
 
 /// The rectangle of frame pixels that the crop of a box may read, if the box moves by up to `by` / 4096 pixels. A crop
-/// reads less than two blocks of pixels beyond its samples. A block's side is at most the mean step, or one pixel.
+/// reads less than two blocks beyond its samples. A block's side is one pixel, or at most the mean of both steps.
 #[inline(never)]
 pub(crate) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
     let ([x, y], [right, down]) = (middle(target), steps([target.width, target.height]));
@@ -102,7 +102,7 @@ impl Crop {
     }
 }
 
-/// Replaces samples by network inputs. `squares` is below 2^26, and a product with `gain` at most `255 * 2^14`.
+/// Replaces samples by network inputs. `squares` is below 2^26, and a deviation times `gain` is at most 255 * 2^14.
 #[inline(never)]
 fn normalise(crop: &mut [i8; SAMPLES]) {
     let sample = |&sample: &i8| i32::from(sample.cast_unsigned());

@@ -41,7 +41,7 @@ pub(super) const SAVED: usize = Correction::SAVED + Opinion::SAVED + First::SAVE
 pub(super) const CROP_WORK: u32 = crop::WORK;
 pub(super) const WORK: u32 = CROP_WORK + network::WORK;
 
-/// The correction of the tracked box, and the network's opinion of the box, from frame to frame.
+/// The refiner's results, from frame to frame: the correction of the box, and the mean trust in the box (the opinion).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Review {
     correction: Correction,
@@ -111,7 +111,7 @@ impl Refiner {
         bytes: &mut Vec<i8, N>,
     ) -> Option<Self> {
         bytes.clear();
-        // Cannot fail: the memory has room for a window of features, which is larger.
+        // Cannot fail: `bytes` has room for the features of a search window, which take more memory than `ROOM`.
         let _ = bytes.resize_default(ROOM);
         Some(Self::Crop(Crop::begin(target, bounds, sampling)))
     }

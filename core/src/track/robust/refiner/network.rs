@@ -24,8 +24,9 @@ use crate::kernels::copy;
 use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::update::{Budget, units};
 
-/// The network's estimate: shift of the centre to the right and down, logarithms of the factors of width and height,
-/// logarithms of the expected errors of place and size. Unit: 1/4096.
+/// The network's estimate: the centre's shift to the right and down, in box sides; logarithms of the factors of width
+/// and height; logarithms of the expected errors of place and size, where 0 is an error of e^-1.5 box sides. Unit of
+/// all six numbers: 1/4096.
 pub(crate) type Outputs = [i32; 6];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
@@ -61,7 +62,8 @@ const fn split() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
     (biases, weights)
 }
 
-/// The counts of each layer. First: inputs of one output, padded to a multiple of 4; second: outputs (or channels).
+/// Two counts for each layer: the inputs of one output, padded to a multiple of 4, and the outputs (for a convolution,
+/// its output channels).
 const LAYERS: [(usize, usize); 6] = [(20, 8), (72, 16), (144, 24), (216, 24), (384, 24), (24, 6)];
 
 /// The shape of a convolution 3x3. Its inputs have a border of one pixel.
@@ -189,7 +191,8 @@ impl Layers {
         None
     }
 
-    /// The index of the row's first output, and the row's count of outputs. Outputs for a convolution have a border.
+    /// The index of the row's first output, and the row's count of outputs. If the next layer is a convolution, the
+    /// outputs have a border of one pixel around them.
     fn place(&self, side: usize, channels: usize) -> (usize, usize) {
         let border = usize::from(self.number + 1 < CONVOLUTIONS.len());
         (((self.row + border) * (side + 2 * border) + border) * channels, side * channels)

@@ -1,4 +1,5 @@
-//! The network's opinion of the box: a running mean of how small an error it expects. It can make the state worse.
+//! The network's opinion of the box: a running mean that is high if the network expects small errors. A low opinion can
+//! make the state worse.
 //!
 //! ```text
 //! trust    = -(log spread of the place + log spread of the size), from 0 to 3; 3 if the early template is exact
@@ -17,17 +18,20 @@ use super::network::Outputs;
 use crate::track::State;
 use crate::track::saved::{Reader, Writer};
 
-/// The maximum of the trust in a box, and of its running mean, the opinion: 3, in units of 1/4096.
+/// The largest trust in a box, and so the largest opinion, which is the running mean of the trust: 3. Unit: 1/4096.
 const MOST: i32 = 3 << 12;
-/// The opinion below which the target is *uncertain*: 1.19, when errors of 0.12 box sides are expected. Unit: 1/4096.
+/// The opinion below which the target is *uncertain*: 1.19, as for expected errors of place and size of 0.12 box sides
+/// each. Unit: 1/4096.
 const UNCERTAIN_BELOW: i32 = 4864;
-/// The opinion below which the target is *lost*: 0.8, when errors of 0.15 box sides are expected. Unit: 1/4096. Of 95
-/// targets covered by noise, 67 are *lost* within 30 frames. A threshold of 2868 makes 55 *lost*, and changes the
-/// fraction R of right frames by +0.0008 +- 0.0006; one of 3686 makes 80 *lost*, and changes R by -0.0020 +- 0.0011.
+/// The opinion below which the target is *lost*: 0.8, as for expected errors of place and size of 0.15 box sides each.
+/// Unit: 1/4096. Of 95 targets covered by noise, 67 are *lost* within 30 frames. A threshold of 2868 makes 55 *lost*,
+/// and changes the fraction R of right frames by +0.0008 +- 0.0006; one of 3686 makes 80 *lost*, and changes R by
+/// -0.0020 +- 0.0011.
 const LOST_BELOW: i32 = 3277;
 /// Updates in a row with an opinion below `UNCERTAIN_BELOW` after which the target is given up.
 const PATIENCE: i32 = 30;
-/// The opinion of a target just found again: 0.8125 in units of 1/4096, *uncertain* until the network trusts it.
+/// The first opinion of a target found again: 0.8125, just above `LOST_BELOW`, so that the target begins as
+/// *uncertain*. Unit: 1/4096.
 const FOUND: i32 = 3328;
 
 /// The opinion, packed. Low 16 bits: the mean, 0 to `MOST`. High 16 bits: the number of consecutive updates, up to now,
@@ -38,7 +42,8 @@ pub(crate) struct Opinion(i32);
 impl Opinion {
     pub(crate) const BEST: Self = Self(MOST);
 
-    /// Updates the opinion by the expected errors of an estimate. Their logarithms are below 2^28.
+    /// Updates the opinion by the expected errors of an estimate. `place` and `size` are the logarithms of these
+    /// errors, with magnitudes below 2^28, in units of 1/4096.
     pub(crate) fn update(&mut self, [.., place, size]: Outputs) {
         self.move_toward((-(place + size)).clamp(0, MOST));
     }
@@ -122,7 +127,7 @@ mod tests {
             opinion.update([0; 6]);
             updates += 1;
         }
-        // After the first six updates the opinion is still at least `UNCERTAIN_BELOW`.
+        // The seventh update takes the opinion below `UNCERTAIN_BELOW`, and 30 updates in a row are below it.
         assert_eq!((updates, opinion.state()), (36, State::Lost));
         opinion.begin_again();
         assert_eq!((opinion.gives_up(), opinion.state()), (false, State::Uncertain));

@@ -9,7 +9,8 @@ use super::buffers::Buffers;
 use crate::kernels::Products;
 use crate::track::update::Budget;
 
-/// The inputs of the stages. They change only at the end of an update; in a lock, the weights change at each step.
+/// The inputs of the stages. In an update they change only at its end. In a lock, each step of learning changes the
+/// filter's weights.
 pub(crate) struct Inputs<'a> {
     pub(crate) config: &'a Config,
     pub(crate) memory: &'a Memory,

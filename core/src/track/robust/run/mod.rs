@@ -1,5 +1,5 @@
-//! Runs a frame through the stages in pieces, for an update (`pipeline`) and a lock (`lock`): their inputs (`inputs`,
-//! `windows`), memory (`buffers`) and bounds of work (`cost`).
+//! Runs a frame through the stages in pieces: the pipelines of an update (`pipeline`) and of a lock (`lock`), their
+//! inputs (`inputs`, `windows`), their scratch memory (`buffers`) and the upper bounds of their work (`cost`).
 
 mod buffers;
 mod cost;

@@ -303,7 +303,7 @@ pub(crate) fn features(inputs: &Inputs<'_>, buffers: &mut Buffers, frame: &Frame
     buffers.extractor.features(frame, &lattice, &mut buffers.large)
 }
 
-/// Computes the filter's responses to the features in `buffers`, without penalty.
+/// Computes the filter's responses to the features in `buffers`, without the penalty for distance.
 #[cfg(feature = "unstable")]
 pub(crate) fn responses(inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
     inputs.memory.filter.code(&mut buffers.coded);

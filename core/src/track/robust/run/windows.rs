@@ -13,8 +13,8 @@ pub(crate) fn expected(track: &Track) -> Place {
     track.motion.expected(track.bounds)
 }
 
-/// The middle of the next window of redetection, at the scale when the target was last *tracking*. True if the window
-/// is the last of its row.
+/// The middle of the next window of redetection, at the scale that the target had when it was last *tracking*; and true
+/// if the window is the last of its row.
 #[inline(never)]
 pub(super) fn next_sweep_window(track: &Track, config: &Config, sweep: Sweep) -> (Place, bool) {
     let side = i64::from(2 * config.reach() * CELL) * track.grid.step_at(track.tracked_scale);

@@ -23,11 +23,12 @@ use crate::similarity::{Contrast, CutTable, Scorer};
 use crate::track::update::Budget;
 use heapless::Vec;
 
-/// Pixels of the largest view, with `MARGIN` around the template. The longest template has the most pixels of margin.
+/// Pixels of the largest view: a template with `MARGIN` pixels on each side. Among the templates of `MOST_PIXELS`, the
+/// longest and narrowest has the largest margin.
 const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
     * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
 
-/// Units of work for each pixel of the template that is copied, compared or relit.
+/// Units of work to copy, compare or relight a pixel of the template.
 pub(crate) const COPIED: u32 = 16;
 const COMPARED: u32 = 12;
 const RELIT: u32 = 20;
@@ -80,8 +81,8 @@ impl Candidate {
     }
 }
 
-/// The state of the comparison. After verification, `view` holds the samples, and `relit` and `table` hold the template
-/// and the similarities, adapted to the light at the best alignment.
+/// The state of the comparison. After verification, `view` holds the samples, `relit` the template in the light of the
+/// best alignment, and `table` the similarities for the alpha of the best alignment.
 #[repr(C)] // the order of fields matters: see `run/buffers.rs`
 pub(crate) struct Comparison {
     table: CutTable,
@@ -217,7 +218,7 @@ pub(crate) struct Verified {
 }
 
 impl Verification {
-    /// Begins the verification of a candidate, after `begin_view` has begun its view.
+    /// Begins the verification of a candidate. `begin_view` must already have begun the candidate's view.
     pub(crate) fn begin(candidate: Candidate) -> Self {
         Self { candidate, alignments: Alignments::new(), phase: Phase::View }
     }

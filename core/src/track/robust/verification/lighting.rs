@@ -41,7 +41,7 @@ fn count(cells: &[i8]) -> u32 {
     u32::try_from(cells.len() / CHANNELS).unwrap_or(0)
 }
 
-/// The target's gain of contrast divided by the contrast of its search window in gray levels, in units of 1/16384.
+/// The gain of the target's contrast for each gray level of the search window's contrast, in units of 1/16384.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Light(u32);
 
@@ -49,7 +49,7 @@ impl Light {
     pub(crate) const NONE: Self = Self(0);
     const MOST: u32 = ((2 * MOST_EXPECTED) << 10) / LEAST_WINDOW;
 
-    /// The target's `gain` (1/256) divided by the contrast `window` of its search window (1/16 gray level).
+    /// Divides the target's `gain` of contrast (1/256) by its search window's contrast, `window` (1/16 gray level).
     pub(crate) fn of(gain: u32, window: u32) -> Self {
         Self((gain << 10) / window.max(LEAST_WINDOW))
     }
@@ -80,8 +80,9 @@ pub(crate) fn window_contrast(cells: &[i8]) -> u32 {
     (16 * grays().map(|gray| gray.abs_diff(mean)).sum::<u32>() / count).max(LEAST_WINDOW)
 }
 
-/// The threshold alpha: the patch's deviation or, if lower, the template's times `gain`. With the patch's deviation
-/// alone, noise would match a template that has little contrast in the present light.
+/// The threshold alpha of the similarity, 2 to 100 gray levels: the patch's deviation or, if lower, the template's
+/// deviation times `gain`. With the patch's deviation alone, noise would match a template that has little contrast in
+/// the present light.
 pub(crate) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
     // The product is at most 2^13 * 2^18, below 2^32.
     let deviation = patch.deviation.min((gain * template.deviation) >> 8);
@@ -162,7 +163,7 @@ mod tests {
         assert_eq!(of(&[80, 120, 80, 121], 32), 15, "an eighth of 127");
     }
 
-    /// In a window with a fifth of the contrast, a fifth of the gain is expected.
+    /// If the window's contrast falls to a fifth, the expected gain falls to a fifth.
     #[test]
     fn the_window_tells_the_light() {
         let window = |dark: i8, bright: i8| {

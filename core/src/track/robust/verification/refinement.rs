@@ -1,5 +1,6 @@
 //! Refinement: the early template gives place and size to a fraction of a pixel. From the best alignment, one
-//! Gauss-Newton step (Lucas and Kanade, 1981; Baker and Matthews, 2004) gives moves right and down, and growth.
+//! Gauss-Newton step (Lucas and Kanade, 1981; Baker and Matthews, 2004) gives the target's move (right and down) and
+//! growth.
 //!
 //! ```text
 //! minimise  sum over pixels p of  (e(p) + s(p) . (x, y, g))^2,    e = seen - template, clamped to +-alpha
@@ -35,7 +36,8 @@ pub(crate) struct Refined {
     pub(crate) growth: i32,
 }
 
-/// Refines an alignment by the patch `seen` there and the relit template. `None` if agreement is low. `alpha` <= 100.
+/// Refines an alignment with the patch `seen` there and the relit template. Returns `None` if `agreement` is below
+/// `REFINED_FROM`. `alpha` is at most 100 gray levels.
 pub(crate) fn refine(
     agreement: u16,
     (right, down): Alignment,
@@ -50,16 +52,17 @@ pub(crate) fn refine(
     Some(Refined { x: 64 * i32::from(right) + x, y: 64 * i32::from(down) + y, growth })
 }
 
-/// The normal equations: sums over all pixels but those at the edge. `right` and `down` are four times the slopes of
-/// the mean of patch and template: at most 510. With (u, v), twice the pixel's offset from the middle, the slope
-/// outward is `(right * u + down * v) / 64`: at most 510 * (columns + rows) / 64 < 1130.
+/// The normal equations: sums over all pixels except those at the edge. The slopes `across` (to the right) and `down`
+/// are four times those of the mean of patch and template, so at most 510. If (u, v) is twice the pixel's offset from
+/// the middle, the slope `outward` is `(across * u + down * v) / 64`: at most 510 * (columns + rows) / 64 < 1130.
 #[derive(Clone, Copy, Default)]
 struct NormalEquations {
     /// Sums of squared slopes to the right, down and outward: the diagonal of the matrix S.
     squares: [i32; 3],
-    /// Sums of slopes right times down, right times outward, down times outward: the other elements of the matrix S.
+    /// Sums of products of two slopes (right and down, right and outward, down and outward): the elements of S off the
+    /// diagonal.
     products: [i32; 3],
-    /// Sums of slopes times differences of the pixels `seen` and relit.
+    /// Sums of each slope times the difference `seen` - `relit` of the pixel, which is clamped to +-`alpha`.
     errors: [i32; 3],
 }
 

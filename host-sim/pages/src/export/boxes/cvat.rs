@@ -1,6 +1,6 @@
 //! CVAT XML 1.1 for video, <https://docs.cvat.ai/docs/other/xml_format>: a track for each target. Frames count from 0;
-//! a box is its left, top, right and bottom edge. CVAT drops boxes that are not key frames, so every box is one.
-//! `source="auto"`, which CVAT ignores, marks boxes of a tracker, unlike those that the user drew.
+//! a box is its left, top, right and bottom edge. CVAT drops boxes that are not key frames, so every box is a key
+//! frame. `source="auto"`, which CVAT ignores, marks boxes of a tracker, unlike those of the user or of a baseline.
 
 use super::{About, Answer};
 use smr_recordings::BoundingBox;
@@ -29,7 +29,8 @@ impl Tracks {
         (self.size, self.frames) = (answer.size, self.frames.max(answer.frame));
         let track = &mut self.tracks[answer.target];
         let target = answer.report.and_then(|report| report.target);
-        // `outside` lasts until the next box, so it is written once, and again if the user marks a lost target as gone.
+        // `outside="1"` holds until the next box, so one such box is enough for a lost target. Another one follows if
+        // the user then marks the target as gone.
         let (is_outside, is_gone) = (target.is_none(), answer.report.is_none());
         let is_told = track.is_outside && (track.is_gone || !is_gone);
         let Some(seen) = target.or(track.last.filter(|_| !is_told)) else { return };

@@ -37,7 +37,7 @@ pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(3.0 * GAP + size.1.max(2.0 * ROW - GAP)))
 }
 
-/// Draws each method's difference maps to its template, one for its own box and one for the true box, with histograms.
+/// Draws for each method two maps of differences from its template, in its own box and in the true box, and histograms.
 pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     const PATCH: Pair = (160.0, 120.0);
     const ROW: f64 = PATCH.1 + 2.0 * LINE;
@@ -86,7 +86,8 @@ pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(top + PLOT + 3.0 * LINE))
 }
 
-/// Returns the difference from the template at the true centre, shifted by the start box's offset from the true centre.
+/// Returns the difference between the template and the frame at the true centre, after this centre is moved by the
+/// start box's offset from the true centre in the first frame.
 fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference> {
     let start = BoundingBox::from(film.targets[0].start()).centre();
     let first = film.truth_at(0).map_or(start, |first| first.centre());
@@ -130,7 +131,7 @@ pub(super) fn leaving(film: &Film, stills: &[&Still]) -> Result<String> {
     Ok(sheet.svg(bottom + 2.0 * LINE))
 }
 
-/// Plots drift: the distance from the true centre in each frame.
+/// Plots drift: in each frame, the distance in pixels between the centre of a method's box and the true centre.
 pub(super) fn drift(film: &Film) -> String {
     const PLOT: f64 = 260.0;
     let mut sheet = Sheet::new(&format!("{}: centre error over frames", film.name));
@@ -157,7 +158,8 @@ pub(super) fn drift(film: &Film) -> String {
     sheet.svg(4.0 * GAP + PLOT + 5.0 * LINE)
 }
 
-/// Draws a slow occlusion: the occluder gets into the template, and the tracker follows it.
+/// Draws an occlusion: frames, SMR's templates, and IoU over frames. A slow occluder can get into the template, so that
+/// SMR follows the occluder.
 pub(super) fn occlusion(film: &Film, stills: &[&Still], hidden: (usize, usize)) -> Result<String> {
     const PLOT: f64 = 150.0;
     let mut sheet = Sheet::new(&format!("{}: hidden {} to {}", film.name, hidden.0 + 1, hidden.1 + 1));

@@ -209,7 +209,7 @@ fn rgb([red, green, blue]: Color) -> String {
     format!("rgb({red},{green},{blue})")
 }
 
-/// Rounds up to 1, 2, 5, 10, 20, ..., as the distance between axis ticks.
+/// Rounds up to 1, 2, 5, 10, 20, ..., for the distance between ticks or the end of an axis.
 pub(super) fn nice(value: f64) -> f64 {
     let unit = 10_f64.powf(value.max(1.0).log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|times| times * unit).find(|&nice| nice >= value).unwrap_or(10.0 * unit)

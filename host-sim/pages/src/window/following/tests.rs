@@ -17,7 +17,7 @@ struct Scene {
     /// If set, the source acts as a camera whose trackers are busy: it yields only every N-th frame.
     every: Option<usize>,
     oldest: AtomicUsize,
-    /// Count of frames that the source reports, 0 if unknown. `given` is the count that it yields, 0 for all.
+    /// Count of frames that the source reports, 0 if unknown. `given` is the last frame that it yields, 0 for `FRAMES`.
     known: usize,
     given: AtomicUsize,
 }
@@ -160,7 +160,7 @@ fn a_correction_is_followed_again_alone_and_undone_at_once() {
         (20..=60).map(|frame| (1, frame)).collect::<Vec<_>>()
     );
     assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 20, 40]));
-    // Removing the lock in frame 20 restores earlier answers: only frames 20 to 39 change; nothing is tracked again.
+    // Removing the lock in frame 20 restores stored answers: only frames 20 to 39 change; nothing is tracked again.
     let reads = running.scene.read.load(Ordering::SeqCst);
     let rows = running.set(vec![target(1, &[1, 40]), target(2, &[2])]);
     assert_eq!((rows.len(), rows[0].1, rows[19].1), (20, 20, 39));
