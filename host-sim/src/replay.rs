@@ -223,7 +223,7 @@ trait FlightReplay<'a> {
 
     fn settings(&self) -> Value;
 
-    /// Replayed state and box of the last update, if the record ends before its answer.
+    /// Returns state and box of the replayed answer to the last update, if the record ends before that answer.
     fn unanswered(&mut self) -> Option<(&'static str, String)>;
 }
 
@@ -246,7 +246,7 @@ fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn FlightReplay<'a> + 'a>, &'sta
 static TABLES: LazyLock<Vec<Table>> =
     LazyLock::new(|| Table::SCALES.filter_map(|scale| Table::new(scale).ok()).collect());
 
-/// Creates the replay with the similarity table that equals the record's. `rest` has settings that a record lacks.
+/// Creates the replay with the recorded settings and similarity table. `rest` gives the settings that no record has.
 fn run<'a, T: Recorded<Config: 'a> + 'a>(
     begin: &Begin<'_>,
     mut rest: T::Config,

@@ -11,7 +11,7 @@ use std::thread;
 use std::time::Duration;
 
 const WAIT: Duration = Duration::from_millis(20);
-/// Number of polls until a script times out after two minutes, long enough for a busy machine.
+/// Number of polls, `WAIT` apart, until a script times out: two minutes in all, long enough for a busy machine.
 const MOST_WAITS: usize = 6000;
 
 /// Finds headless Chromium under one of its names. If there is none, prints that the test is skipped.
@@ -24,7 +24,7 @@ fn browser(test: &str) -> Option<&'static str> {
     found
 }
 
-/// Put before the page's scripts: records the page's own errors as problems.
+/// HTML that goes before the page's scripts and records the page's own errors as problems.
 const BEFORE: &str = "<script>const problems = [];
 window.onerror = (message) => { problems.push(message); };
 window.onunhandledrejection = (event) => { problems.push(String(event.reason)); };</script>";

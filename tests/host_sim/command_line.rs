@@ -11,7 +11,7 @@ fn film(file: &Path, arguments: &[&str]) {
     assert!(runs(Command::new("ffmpeg").args(source).args(arguments).arg(file)), "{arguments:?}");
 }
 
-/// Phones record videos like this one: rotated by metadata, with a varying frame rate.
+/// Phones record videos like these two: one is rotated by metadata, the other has a varying frame rate.
 #[test]
 fn videos_of_phones_are_shown_upright_and_whole() {
     if !has_ffmpeg("videos_of_phones_are_shown_upright_and_whole") {

@@ -46,7 +46,8 @@ fn sources(folder: &Path) -> String {
     entries.filter(|path| !path.ends_with("target")).map(text).collect()
 }
 
-/// Fails if a `cargo test` with these words would run nothing.
+/// Returns an error if the arguments `words` of a `cargo test` name a package, feature, test or filter that does not
+/// exist, or if they contain a second filter or an option that the `match` does not list.
 fn cargo_test(words: &[&str], packages: &[(PathBuf, String)]) -> Result<(), String> {
     let mut words = words.iter().copied();
     let (mut package, mut test, mut features, mut filters) = (None, None, String::new(), Vec::new());
@@ -82,7 +83,7 @@ fn cargo_test(words: &[&str], packages: &[(PathBuf, String)]) -> Result<(), Stri
         }
     }
     let text: String = tests.iter().map(|folder| sources(folder)).collect();
-    // A filter such as `track::tests` consists of module names, so the names after `mod` count, too.
+    // A filter may be a path of modules such as `track::tests`, so it is compared with the names after `fn` and `mod`.
     let is_end = |letter: char| !(letter.is_alphanumeric() || letter == '_');
     let named = ["fn ", "mod "].into_iter().flat_map(|what| text.split(what).skip(1));
     let known: Vec<&str> = named.filter_map(|rest| rest.split(is_end).next()).collect();

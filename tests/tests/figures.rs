@@ -1,12 +1,12 @@
 //! Checks that figures in documents equal the values in code, scripts and files of measurements. `SMR_RECORD=1 cargo
-//! test -p smr-tests figures` writes them into the documents.
+//! test -p smr-tests figures` writes these values into the documents.
 
 use smr_core::robust::Config;
 use std::fs;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// A document, and its sentences with `{}` in place of each figure.
+/// A document, its sentences with `{}` in place of each figure, and the right figures for each sentence.
 struct Document {
     name: &'static str,
     sentences: Vec<(&'static str, Vec<String>)>,

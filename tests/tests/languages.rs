@@ -1,4 +1,4 @@
-//! Checks that every language has the states of smr-core and the fields of its answer.
+//! Checks that the interface of every language, and `host-sim`, have all states and all answer fields of smr-core.
 //! `core/c/tests/interface/errors.rs` checks the errors, `tests/api` the settings.
 
 use std::fs;
@@ -9,7 +9,7 @@ const HEADER: &str = "core/c/include/smr.h";
 const TYPES: &str = "core/web/smr.d.ts";
 const MODULE: &str = "core/micropython/smr/smr.c";
 
-/// Places of the names of answer fields and states: kind, language, file, and the text before and after these names.
+/// Each list of answer fields or states in a file: kind, language, file, text before the list, text after it.
 const PLACES: &[(&str, &str, &str, &str, &str)] = &[
     ("answer", "C", HEADER, "struct smr_answer {", "\n}"),
     ("answer", "Python", "core/python/package/smr/_answer.py", "class Answer(", "\nclass"),
@@ -56,7 +56,7 @@ fn has(text: &str, before: &str, end: &str, word: &str) -> bool {
     code.any(|line| line.split(|letter| !is_name(letter)).any(|found| found == word))
 }
 
-/// Returns the names of answer fields and states that a language lacks. `read` returns the text of a file.
+/// Returns a message for each answer field or state that a language lacks. `read` returns the text of a file.
 fn lacking(read: impl Fn(&str) -> String) -> Vec<String> {
     let mut lacking = Vec::new();
     for (what, language, file, before, end) in PLACES {

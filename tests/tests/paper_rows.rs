@@ -41,7 +41,8 @@ fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
     [Some(corners(start))].into_iter().chain(rest).collect()
 }
 
-/// Compares the boxes with files `*.{rows}.txt`. `larger` is 1 if these include the lower right corner's pixel.
+/// Compares the tracker's boxes with those in the files `*.{rows}.txt`. `larger` is added to the sides of the initial
+/// box, in pixels: 1 if the boxes in the files include the pixel at the lower right corner, else 0.
 fn compare(test: &str, rows: &str, config: Config, larger: u16) {
     let Some(tld) = recordings(test, "tld") else { return };
     let Some(boxes) = recordings(test, "paper-rows") else { return };
@@ -49,7 +50,7 @@ fn compare(test: &str, rows: &str, config: Config, larger: u16) {
         let sequence = smr_recordings::open(&tld.join(name), &OpenOptions::default()).expect("a recording");
         let (ours, expected) = (follow(sequence, config, larger), read(&boxes.join(format!("{name}.{rows}.txt"))));
         assert_eq!(ours.len(), expected.len(), "{name}: frames");
-        // The first row is the given box.
+        // The first row is skipped: it is the initial box, not an answer of the tracker.
         let differs = (1..ours.len()).find(|&frame| ours[frame] != expected[frame]);
         if let Some(frame) = differs {
             panic!("{name}, frame {}: {:?}, expected {:?}", frame + 1, ours[frame], expected[frame]);

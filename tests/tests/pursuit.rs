@@ -19,7 +19,7 @@ const WIDTH: u16 = 160;
 const HEIGHT: u16 = 120;
 const FOCAL_LENGTH_PIXELS: f64 = 160.0;
 const FRAME_SECONDS: f64 = 1.0 / 30.0;
-/// Side of the target in pixels in the middle of the picture.
+/// Side of the target in the picture, in pixels, if the target is in the picture's middle.
 const TARGET_PIXELS: u16 = 48;
 const SERVO_DEGREES_PER_SECOND: f64 = 300.0;
 const RETURN_RADIANS_PER_SECOND: f32 = 0.5;
@@ -53,7 +53,8 @@ fn picture(head: Direction, target: Direction, occluder: Option<Direction>) -> V
     (0..WIDTH * HEIGHT).map(place).map(|(right, up)| seen(ray(head, right, up))).collect()
 }
 
-/// Returns the direction of the pixel `right` and `up` pixels from the middle, seen by a camera in direction `head`.
+/// Returns the direction of a pixel in the picture of a camera that points to `head`. The pixel lies `right` pixels to
+/// the right of the picture's middle and `up` pixels above it.
 fn ray(head: Direction, right: f64, up: f64) -> Direction {
     let (sin, cos) = head[1].sin_cos();
     let (forward, height) = (FOCAL_LENGTH_PIXELS * cos - up * sin, FOCAL_LENGTH_PIXELS * sin + up * cos);
@@ -67,7 +68,8 @@ fn offset_pixels(head: Direction, point: Direction) -> f64 {
     FOCAL_LENGTH_PIXELS * right.hypot(height * cos - ahead * sin) / (ahead * cos + height * sin)
 }
 
-/// Interpolates random gray levels that lie 4 pixels apart at the picture's middle.
+/// Returns a texture's gray level at `place`, interpolated between random levels on a grid of 4 pixels (in the
+/// picture's middle).
 fn texture(seed: u32, place: Direction, (darkest, brightest): (f64, f64)) -> u8 {
     let [x, y] = place.map(|radians| radians * FOCAL_LENGTH_PIXELS / 4.0);
     let (right, low) = (x - x.floor(), y - y.floor());
@@ -123,7 +125,7 @@ struct Loop<T: Target> {
     pursuit: Pursuit<Pin, Pin, Pin>,
     servo_pins: [Pin; 2],
     lamp: Pin,
-    /// Angles of the servos, and the angles commanded in the frame before.
+    /// Angles of the servos (`head`), and the angles that the last frame commanded (`goal`), all in radians.
     head: Direction,
     goal: Direction,
 }
@@ -197,7 +199,7 @@ fn small() -> Config {
     config.window_limit = Radius { x: 32, y: 32 };
     // The preset's 0 accepts every ratio of peak to runner-up; this limit must tell the target from the occluder.
     config.gate_tracking = Fraction::new(5, 4);
-    // Switches the lead off (100 of the target's 2304 pixels are easy to reach), so that only the ratio decides here.
+    // No lead of the peak is enough now, so only the ratio decides. The preset's 100 pixels of 2304 are easy to exceed.
     config.gate_lead = u16::MAX;
     config
 }
@@ -222,6 +224,8 @@ fn holds<T: Target>(config: T::Config, rows: &[(f64, f64, f64)]) {
 }
 
 /// Largest errors measured at 30, 40 and 60 degrees per second: 12.3, 16.0 and 32.0 pixels horizontally, 12.8, 27.1 and
+/// 30.9 diagonally. Of each error, 8.4, 11.2 and 16.8 pixels are the steady error of a proportional controller, speed /
+/// gain.
 /// 30.9 diagonally. Of this, 8.4, 11.2 and 16.8 are speed / gain, the steady error of a proportional controller.
 ///
 /// Slow targets are not promised: at 10 and 20 degrees per second it is 4.5 and 21.4 pixels horizontally; diagonally the
@@ -232,7 +236,8 @@ fn a_moving_target_stays_near_the_centre() {
     holds::<Small>(small(), &[(30.0, 0.5, 14.0), (40.0, 0.5, 29.0), (60.0, 0.5, 34.0)]);
 }
 
-/// The robust tracker also keeps slow and diagonal targets. Errors measured: 1.7, 3.7, 6.9, 9.2, 13.8 and 18.5 pixels.
+/// The robust tracker also keeps slow and diagonal targets. Largest errors measured, in the order of the rows: 1.7,
+/// 3.7, 6.9, 9.2, 13.8 and 18.5 pixels.
 #[test]
 fn the_robust_tracker_holds_at_every_speed() {
     let config = robust::Config::refined();
@@ -250,8 +255,9 @@ fn at_20_degrees() -> Loop<Small> {
     head
 }
 
-/// Distance from the centre, as measured: 8.9 pixels in the first visible frame, in which the tracker finds the target;
-/// at most 5.3 in the third and fourth; 0.3 in the fifth. Then sub-pixel errors add up to 7.0 within a second.
+/// Measured distance of the target from the picture's middle: 8.9 pixels in the first frame without the occluder, in
+/// which the tracker finds the target; at most 5.3 in the third and fourth; 0.3 in the fifth. Then sub-pixel errors
+/// accumulate: the distance reaches 7.0 pixels within a second.
 #[test]
 fn a_target_that_was_hidden_is_centred_again() {
     let mut head = at_20_degrees();
@@ -271,7 +277,8 @@ fn a_target_that_was_hidden_is_centred_again() {
     }
 }
 
-/// Measured: 20.55 degrees away from home the head holds still for 31 frames, including one of delay. It is home 22 frames later.
+/// Measured: the head holds still for 31 frames (one of them is the servos' delay), 20.55 degrees away from home. It is
+/// home 22 frames later.
 #[test]
 fn a_target_that_stays_lost_is_waited_for_and_then_the_head_goes_home() {
     let mut head = at_20_degrees();

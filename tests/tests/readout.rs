@@ -1,10 +1,12 @@
-//! Partial readout: a tracker that gets only the windows it asks for, line by line in any camera format, answers as
-//! with whole gray frames. With fewer pixels it returns an error. `smr-core` tests the gray level of each pixel.
+//! Partial readout: a tracker that gets only the windows it asks for, line by line in any camera format, gives the same
+//! answers as one that gets whole gray frames. If a line of a window is missing, the tracker returns an error.
+//! `smr-core` tests the gray level of each pixel.
 
 use smr_core::readout::{Format, Readout};
 use smr_core::{Frame, Image, LockError, Paper, Rect, Robust, Target, Tracker, UpdateError, paper, robust};
 
-/// Draws a textured target that moves and grows. Of nine pictures three are noise, so that the tracker searches for it.
+/// Returns the size, the initial box and the pictures of a recording. Its texture moves and grows. The last three of
+/// every nine pictures are noise, so that the tracker has to search for the target.
 fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     let (width, height) = (60 + seed * 37 % 200, 50 + seed * 53 % 150);
     let (across, down) = (4 + seed * 29 % (width / 2), 4 + seed * 31 % (height / 2));
@@ -25,8 +27,8 @@ fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     ((width, height), target, pictures.collect())
 }
 
-/// The lines of a sensor's picture, each followed by three padding bytes. Some formats send more columns or lines than
-/// the picture has.
+/// The lines of a sensor's picture, each followed by three padding bytes. `Format::Bayer8` has twice as many columns
+/// and lines as the picture.
 struct Sensor {
     format: Format,
     size: (u16, u16),
@@ -43,7 +45,7 @@ impl Sensor {
         Self { format, size: (scale * width, u16::try_from(lines.len()).unwrap()), lines }
     }
 
-    /// Returns the bytes of these windows only.
+    /// Returns a readout of `windows` and its gray pixels.
     fn read(&self, windows: &[Rect]) -> (Readout, Vec<u8>) {
         // A readout has at least one pixel, even if the tracker needs none.
         let window = |&rect: &Rect| if rect.is_empty() { Rect::new(0, 0, 1, 1) } else { rect };
@@ -63,7 +65,8 @@ fn saved<T: Target>(tracker: &Tracker<T>) -> Vec<u8> {
     bytes[..size].to_vec()
 }
 
-/// Compares answers to partial and whole frames on 39 recordings. Returns the number of frames with a second window.
+/// Compares a tracker that gets partial frames with one that gets whole frames, on 39 recordings. Returns the number of
+/// frames with a second window.
 fn compare<T: Target>(config: T::Config) -> usize {
     let tracker = || Box::new(Tracker::<T>::with(config).expect("a good configuration"));
     let mut sweeps = 0;

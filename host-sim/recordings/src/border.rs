@@ -1,4 +1,5 @@
-//! A built-in recording that tests rules at the picture's border: where the template is updated, how targets leave.
+//! A built-in recording that tests the rules for targets near the picture's border: whether the template is updated
+//! there, and how a target leaves the picture.
 //!
 //! The target has no noise except one pixel, which changes in every frame and so shows whether the template was
 //! updated. The target stands at both sides of each edge of the update zone, leaves the picture and returns. Then a
@@ -14,7 +15,8 @@ const HEIGHT: u16 = 84;
 const TARGET: (i32, i32) = (24, 28);
 const TWIN: (i32, i32) = (30, 20);
 
-/// For each frame: left and top edge of the target, and percentage of pixels in which its twin differs (100: no twin).
+/// Three numbers for each frame: left and top edge of the target in pixels, and the percentage of its twin's pixels
+/// that differ from the target (100: the frame has no twin).
 const SCRIPT: [i32; 75] = [
     40, 30, 100, 20, 30, 100, 19, 30, 100, 25, 20, 100, 25, 19, 100, 60, 54, 100, 60, 55, 100, 86, 40, 100, 87, 40,
     100, 84, 41, 100, 92, 40, 100, 80, 42, 100, 78, 40, 100, 76, 44, 16, 75, 45, 16, 74, 45, 8, 400, 400, 100, 400,

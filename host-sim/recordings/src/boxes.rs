@@ -155,8 +155,9 @@ impl Form {
         }
     }
 
-    /// Reads a file of one box per line. `None` stands for NaN and, in OTB and VOT form, a box without area. In VOT
-    /// form, the file `absence.label` beside it also marks frames with `None`.
+    /// Reads a file of one box per line. Returns `None` for NaN and, in OTB and VOT form, for a box without area. In
+    /// VOT form, also returns `None` for a single number, an empty mask, and frames marked 1 in `absence.label` beside
+    /// the file.
     pub fn read(self, path: &Path) -> Result<Vec<Option<BoundingBox>>> {
         let mut truth = read(path, |line| self.entry(line))?;
         let labels = path.with_file_name("absence.label");
@@ -261,8 +262,8 @@ pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     }
 }
 
-/// Returns the box around a run-length mask: in a rectangle of the picture, row by row, runs of pixels lie alternately
-/// on the background and on the target. The outer `None` means that the text is no mask.
+/// Returns the box around the target in a run-length mask. The mask divides a rectangle of the picture, row by row,
+/// into runs of pixels, in turn of the background and of the target. The outer `None` means that the text is no mask.
 fn mask(text: &str) -> Option<Option<BoundingBox>> {
     let numbers = text.split(',').map(|field| field.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
     let (&[x, y, width, height], runs) = numbers.split_first_chunk()?;

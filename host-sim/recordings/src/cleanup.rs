@@ -21,7 +21,7 @@ static RESOURCES: Mutex<BTreeMap<u64, Resource>> = Mutex::new(BTreeMap::new());
 /// True after a signal that ends this program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// True if the first signal only requests a stop; [`STOPPED`] is then its number, and 0 before.
+/// True if the first signal only requests a stop. [`STOPPED`] is then the number of the latest signal, 0 before any.
 static STOPS_FIRST: AtomicBool = AtomicBool::new(false);
 static STOPPED: AtomicI32 = AtomicI32::new(0);
 
@@ -39,7 +39,7 @@ pub fn stopped_by() -> Option<i32> {
     Some(STOPPED.load(Ordering::SeqCst)).filter(|&signal| signal > 0)
 }
 
-/// Records a signal. Returns true if it is the first one and only requests a stop.
+/// After `stop_first`, records `signal`. Returns true if `signal` is the first one since, and only requests a stop.
 fn asks_to_stop(signal: i32) -> bool {
     STOPS_FIRST.load(Ordering::SeqCst) && STOPPED.swap(signal, Ordering::SeqCst) == 0
 }
@@ -85,7 +85,7 @@ pub struct Process {
 
 impl Process {
     pub fn start(command: &mut Command) -> io::Result<Self> {
-        // In its own process group the child gets no Ctrl-C. This program gets it, and ends the child in order.
+        // In its own process group, the child gets no Ctrl-C. This program gets the signal and ends the child itself.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(command, 0);
         let start = || Ok(Arc::new(Mutex::new(command.spawn()?)));
@@ -105,7 +105,8 @@ impl Process {
         locked(&self.child).stderr.take()
     }
 
-    /// Sends all text of standard error once the stream is closed; a process started by the child may keep it open.
+    /// Returns a receiver, which gets all text of standard error once that stream is closed. A process started by the
+    /// child may keep the stream open.
     pub fn said(&self) -> Receiver<String> {
         let (sender, said) = channel();
         if let Some(mut complaints) = self.complaints() {
@@ -170,7 +171,7 @@ pub fn heed_signals() -> io::Result<()> {
     Ok(())
 }
 
-/// Handles Ctrl-C and similar events, the only signals of this system, by cleaning up.
+/// Handles Ctrl-C and similar events, the only signals outside Unix: cleans up, then exits with 130.
 #[cfg(not(unix))]
 pub fn heed_signals() -> io::Result<()> {
     let heed = || {
@@ -181,7 +182,7 @@ pub fn heed_signals() -> io::Result<()> {
     ctrlc::set_handler(heed).map_err(io::Error::other)
 }
 
-/// True if this process ignores the signal. Only Linux reports it without unsafe code.
+/// True if this process ignores the signal. Always false outside Linux, where only unsafe code could find out.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -218,7 +219,8 @@ fn remove(path: &Path) -> io::Result<()> {
     fs::rename(path, &gone).and_then(|()| fs::remove_dir_all(gone)).or_else(|_| fs::remove_dir_all(path))
 }
 
-/// After a signal, blocks until this program ends. Call it before printing an error, which the signal may have caused.
+/// Blocks for good if a signal is ending this program. Call it before printing an error that the signal may have
+/// caused.
 pub fn yield_to_signal() {
     while ENDING.load(Ordering::SeqCst) {
         thread::park();

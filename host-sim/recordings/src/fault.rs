@@ -39,7 +39,7 @@ enum Kind {
     Offset,
 }
 
-/// Length in frames of the faults whose parameter is a strength, except changes of light.
+/// Length in frames of the faults whose `amount` is a strength, except changes of light, which last `LIGHT_FRAMES`.
 const FRAMES: usize = 10;
 
 const LIGHT_FRAMES: usize = 150;
@@ -68,8 +68,8 @@ impl Fault {
         }
     }
 
-    /// Returns the frame shown in place of frame `index`, from 0, of the fault; `None` if it is dropped. `before` is
-    /// the last frame before the fault, `former` the frame before `frame`.
+    /// Returns the faulty frame to show in place of `frame`, or `None` to drop it; `index` counts from the first frame
+    /// of the fault. `before` is the last frame before the fault, `former` the frame before `frame`.
     pub fn of(
         &self,
         index: usize,

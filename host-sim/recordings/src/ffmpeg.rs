@@ -127,8 +127,9 @@ impl Ffmpeg {
         bail!("{name} holds no frame that ffmpeg decodes");
     }
 
-    /// Returns an error if ffmpeg has reported one: ffmpeg fills damaged areas, goes on, and exits with success. A
-    /// damaged packet counts only if frames are missing (`has_gap`), because joined videos also look damaged.
+    /// Returns an error if ffmpeg has failed, or has reported an error or a change of format: ffmpeg fills damaged
+    /// areas and exits with success. A warning of a damaged packet counts only if frames are missing (`has_gap`),
+    /// because joined videos also cause it.
     pub fn verdict(&mut self, has_gap: bool) -> Result<()> {
         let (status, mut said) = self.end()?;
         if has_gap && said.last.is_empty() {
@@ -148,7 +149,7 @@ impl Ffmpeg {
 pub(super) struct Shown {
     pub size: (u32, u32),
     pub moment: Option<Moment>,
-    /// True if ffmpeg has reported an error before this picture.
+    /// True if ffmpeg has reported an error, a damaged packet or a change of format before this picture.
     pub is_doubtful: bool,
     /// HDR transfer function of the chosen stream; `None` without HDR.
     pub transfer: Option<Transfer>,
@@ -161,7 +162,7 @@ struct Messages {
     packet: String,
     /// True if the size or pixel format changes between frames.
     changed: bool,
-    /// True after the first message with a level such as `[info]`; a later line without a level continues a message.
+    /// True after the first `[info]` message. Later lines without a level are ignored, as they continue a message.
     has_begun: bool,
     base: Option<(u32, u32)>,
     /// Names of HDR streams, such as `#0:1`, with their transfer functions.
@@ -211,7 +212,7 @@ impl Messages {
         self.changed |= words.contains("Changing video frame properties");
         let of_frame = words.contains("corrupt decoded frame");
         let words = words.trim_start_matches(&format!("file:{file}: "));
-        // Only two warnings report damage: a corrupt packet, and a corrupt decoded frame.
+        // Only two warnings report damage: that of a corrupt packet, and that of a corrupt decoded frame.
         if words.contains("corrupt input packet") {
             words.clone_into(&mut self.packet);
         } else if !words.is_empty() && (!is_warning || of_frame) {

@@ -1,4 +1,4 @@
-//! Finds the recordings at a path of the command line: the path itself, or the recordings in that folder.
+//! Finds the recordings at a path of the command line: the path itself if it is a recording, else those below it.
 
 use anyhow::{Context, Result, bail};
 use std::collections::HashSet;
@@ -6,7 +6,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Expands paths: a recording stays, a folder becomes the recordings in and below it, in natural order.
+/// Expands paths: a recording stays; any other folder becomes its subfolders of any depth that are recordings, in
+/// natural order.
 pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let found: Result<Vec<_>> = paths.iter().map(|path| of_path(path)).collect();
     Ok(found?.concat())

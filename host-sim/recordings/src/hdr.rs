@@ -6,13 +6,14 @@ pub(super) enum Transfer {
     Hlg,
 }
 
-/// Tone curve: light L becomes L (1 + L / P^2) / (1 + L), in units of white paper (203 cd/m2, ITU-R BT.2408). L is the
-/// brightest of red, green and blue; P is 1000 cd/m2. All three get one factor, and are clipped to BT.709.
+/// Tone curve: multiplies red, green and blue of BT.709 (negative light is cut to 0) by (1 + L / P^2) / (1 + L), and
+/// cuts the products to 1. L is the brightest of the three, and P is 1000 cd/m2, both in units of white paper (203
+/// cd/m2, ITU-R BT.2408).
 pub(super) struct Tones {
     transfer: Transfer,
-    /// Light of each 12-bit level, as a multiple of white paper; for HLG the light of the scene, from 0 to 1.
+    /// Light of each 12-bit level: for PQ as a multiple of white paper, for HLG the light of the scene, from 0 to 1.
     light: Vec<f32>,
-    /// Table of sRGB levels, by the square root of light from 0 to 1 in 4095 steps.
+    /// Table of sRGB levels: entry n is the 8-bit level of the light (n / 4095)^2.
     levels: Vec<u8>,
 }
 
@@ -48,7 +49,7 @@ impl Tones {
 
     fn shown(&self, pixel: [u16; 3]) -> [u8; 3] {
         let [red, green, blue] = pixel.map(|level| self.light[usize::from(level >> 4)]);
-        // The system gain of HLG for a screen of 1000 cd/m2 brightens the bright parts of a scene.
+        // The system gain of HLG, for a screen of 1000 cd/m2, grows with the luminance of the pixel.
         let gain = match self.transfer {
             Transfer::Pq => 1.0,
             Transfer::Hlg => PEAK * (0.2627 * red + 0.678 * green + 0.0593 * blue).powf(0.2),
@@ -70,7 +71,7 @@ impl Tones {
 mod tests {
     use super::*;
 
-    /// By ITU-R BT.2408, 203 cd/m2 is a level of 58 % in PQ and 75 % in HLG, 1000 cd/m2 of 75 % in PQ and 100 % in HLG.
+    /// By ITU-R BT.2408, levels are 58 % (PQ) and 75 % (HLG) at 203 cd/m2, and 75 % (PQ) and 100 % (HLG) at 1000 cd/m2.
     #[test]
     fn white_is_bright_and_what_is_brighter_still_differs() {
         for (transfer, white, peak) in [(Transfer::Pq, 38_056, 49_269), (Transfer::Hlg, 49_151, 65_535)] {

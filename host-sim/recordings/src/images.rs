@@ -122,7 +122,8 @@ pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
     samples(bytes)?.colors(None)
 }
 
-/// Range of gray levels (highest minus lowest) below which the user gets a note; 14-bit values in 16 bits reach 63.
+/// Range of 8-bit gray levels (highest minus lowest) below which the user gets a note. 14-bit values stored unscaled in
+/// 16 bits reach only level 63.
 const MIN_LEVELS: usize = 64;
 
 /// One pixel in this many may be dead, so this share of values is ignored at each end of the histogram.
@@ -191,7 +192,7 @@ fn foreign(bytes: &[u8]) -> Option<&'static str> {
     FOREIGN_MAGIC.iter().find(|(at, magic, _)| is(*at, magic)).map(|(_, _, kind)| *kind)
 }
 
-/// Unsupported picture formats: offset of the magic bytes, their alternatives, and the name.
+/// Unsupported picture formats: byte offset of the magic bytes in the file, alternative magic bytes, and format name.
 const FOREIGN_MAGIC: [(usize, &[&[u8]], &str); 10] = [
     (0, &[b"BM"], "a BMP picture"),
     (0, &[b"II*\0", b"MM\0*"], "a TIFF picture"),

@@ -107,11 +107,11 @@ fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
 /// Result of reading the packets of a file, with only the first frames decoded.
 #[derive(Debug, PartialEq)]
 enum Packets {
-    /// Each packet is one frame, shown at this time in seconds.
+    /// Presentation times of all frames in seconds, sorted; each packet is one frame.
     Frames(Vec<f64>),
-    /// Times grow, but some packets show no frame.
+    /// Times grow, but some packets may show no frame of their own.
     Hidden,
-    /// Times are missing, repeat or go back, or the codec is not known.
+    /// Times are missing, wrong, repeat, go back or leap, a packet is empty, the codec is not known, or reading failed.
     Unsure,
 }
 
@@ -130,12 +130,12 @@ fn packets(file: &Path, patience: Duration) -> Packets {
     read_packets(file, patience).and_then(|read| read.checked(file, patience)).unwrap_or(Packets::Unsure)
 }
 
-/// Facts about a file's packets, no two of which have the same time.
+/// Facts about a file's packets; no two shown packets have the same presentation time.
 struct Read {
     codec: String,
     /// Unit of `times` in seconds, as a fraction.
     base: (f64, f64),
-    /// Presentation times of the packets, sorted.
+    /// Presentation times of the shown packets (those without the flag `DISCARDED`), sorted.
     times: Vec<i64>,
     has_empty: bool,
 }
@@ -143,7 +143,8 @@ struct Read {
 /// Flag of packets that are decoded but not shown, because an edit list cuts them.
 const DISCARDED: u32 = 4;
 
-/// Reads ffmpeg's line of each packet: `stream, DTS, PTS, duration, size, sum[, F=flags]`. `None` if times repeat.
+/// Reads ffmpeg's line of each packet: `stream, DTS, PTS, duration, size, sum[, F=flags]`. Returns `None` if ffmpeg
+/// cannot be run or read, a time is missing, the DTS does not grow, or two shown packets have the same PTS.
 fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
     let mut command = command("ffmpeg", "quiet", &input(file), &FROM_ZERO);
     command.args(["-c", "copy", "-copyinkf", "-copypriorss", "1", "-f", "framecrc", "-"]);
@@ -180,7 +181,8 @@ fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
 }
 
 impl Read {
-    /// Classifies the packets; `None` for an unknown codec, an empty packet, a leap in time, or wrong packet times.
+    /// Classifies the packets; `None` for an unknown codec, an empty packet, no decodable frame, a leap in time, or
+    /// packet times that lack the time of a decoded frame.
     fn checked(mut self, file: &Path, patience: Duration) -> Option<Packets> {
         if SOME_HIDDEN.contains(&self.codec.as_str()) {
             return Some(Packets::Hidden);

@@ -30,7 +30,8 @@ pub fn text(file: &Path, kind: &Kind) -> Result<String> {
     text.map_err(|_| anyhow!("it is not text in UTF-8: expected {}", kind.expected))
 }
 
-/// Reads a file. Errors: It is missing, unreadable, too long, or a silent pipe. The message does not name it.
+/// Reads a file. Errors: The file is missing, unreadable, a folder, too long, or a silent pipe or device. The error
+/// message does not name the file.
 pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     let Kind { expected, most } = kind;
     let unreadable = |error: io::Error| match error.kind() {

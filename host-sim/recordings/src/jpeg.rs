@@ -45,7 +45,7 @@ struct Layout {
 struct Frame {
     marker: u8,
     sizes: [u8; 6],
-    /// True if one color component has fewer rows than another, that is, vertical subsampling.
+    /// True if a color component has a vertical sampling factor above 1, as in vertical subsampling.
     has_fewer_rows: bool,
 }
 
@@ -92,7 +92,8 @@ impl Layout {
         }
     }
 
-    /// Returns the byte offset of a second picture directly behind the first; a preview has another frame header.
+    /// Returns the byte offset of a second picture directly behind the first. A picture with another frame header is
+    /// taken for a preview and does not count, nor does any picture in a file of several views (MPF).
     fn next(&self, bytes: &[u8]) -> Option<usize> {
         let rest = &bytes[self.end.filter(|_| !self.has_views)?..];
         let is_next = rest.starts_with(MAGIC) && Self::of(rest).frame == self.frame;
@@ -110,7 +111,7 @@ impl Layout {
             0xF7 => "a JPEG-LS picture",
             _ if *precision != 8 => "a JPEG of more than 8 bits",
             _ if *height == [0, 0] => "a JPEG whose height follows its pixels",
-            // The decoder would silently misplace the colors if components of unequal rows come in separate scans.
+            // The decoder silently misplaces colors if components of different row counts come in separate scans.
             0xC0 | 0xC1 if *has_fewer_rows && self.scanned < *components => "a JPEG with separate scans for its colors",
             _ => return None,
         })

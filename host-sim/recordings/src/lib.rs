@@ -128,7 +128,7 @@ impl From<smr_core::Image<'_>> for GrayFrame {
     }
 }
 
-/// A recording: its frames in order, and the boxes known about them.
+/// A recording: its frames in order, and its start box and ground truth, if known.
 pub struct Sequence {
     /// Name of the folder, or of the file without its extension.
     pub name: String,
@@ -262,7 +262,7 @@ const STANDARD_INPUT: &str = "-";
 
 pub const BUILT_IN: [&str; 6] = [street::NAME, synthetic::NAME, periodic::NAME, border::NAME, noise::NAME, tiles::NAME];
 
-/// Names of the built-in recordings that smr-core is tested on. `noise` has no target and serves only for timing.
+/// Names of the built-in recordings that test smr-core, without `noise`, which has no target and is only for timing.
 pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
 
 fn built_in(path: &Path) -> Option<Sequence> {
@@ -272,7 +272,8 @@ fn built_in(path: &Path) -> Option<Sequence> {
     exact.or_else(|| synthetic::seeded(path.to_str()?))
 }
 
-/// True if `path` looks like a recording that [`open`] reads, judged by file names. False for a folder of recordings.
+/// True if `path` may be a recording that [`open`] reads: a built-in name, `-`, a live source, any file, or a folder
+/// that holds recording files, judged by their names. False for a folder with a subfolder for each recording.
 pub fn is_sequence(path: &Path) -> bool {
     if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
@@ -299,7 +300,7 @@ fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
     Ok((truth, init))
 }
 
-/// Returns the start box in the folder of `file`, for callers that read its frames without [`open`].
+/// Returns the start box from the annotation files beside `file`, for callers that read its frames without [`open`].
 pub fn start_beside(file: &Path) -> Result<Option<BoundingBox>> {
     Ok(boxes_in(file.parent().unwrap_or(Path::new("")))?.1)
 }
@@ -341,7 +342,8 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
     Ok(self::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
 }
 
-/// Returns a folder's pictures, sorted by name. Errors: Several formats, several folders, or one number twice.
+/// Returns the pictures in a folder and its subfolders `INNER`, sorted by name. Errors: The pictures have several
+/// formats or lie in several of these folders, or two pictures have the same number.
 fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let inner = INNER.map(|inner| folder.join(inner)).into_iter().filter(|inner| inner.is_dir());
     let mut kinds: Vec<Vec<PathBuf>> = Vec::new();

@@ -99,7 +99,7 @@ impl Live {
     }
 }
 
-/// Builds the command of a low-delay ffmpeg: luma in full range, as from video files; chroma at half width and height.
+/// Builds the low-delay ffmpeg command. It writes full-range luma, as for videos, and chroma at half width and height.
 fn command(address: &Path) -> Command {
     // Shortens the examination of the stream before the first frame, which by default takes ffmpeg five seconds.
     let options = ["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "2000000", "-f", "v4l2"];

@@ -4,11 +4,11 @@ use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Sorts `img2` before `img10`; if all names are decimal numbers behind the same letters, `1.25` before `1.5`.
+/// Sorts `img2` before `img10`. Decimal numbers of one series (`Decimal::are_one_series`) sort by value: `1.25`, `1.5`.
 pub(super) fn sort(files: &mut [PathBuf]) {
     let decimals: Option<Vec<_>> = files.iter().map(|file| Decimal::of(&stem(file))).collect();
     let are_decimals = decimals.is_some_and(|all| Decimal::are_one_series(&all));
-    // Names that differ only in white space are equal in natural order, so the path decides, not the file system.
+    // Names that differ only in white space are equal in natural order: their paths decide, not the order on disk.
     files.sort_by(|a, b| {
         let (first, second) = (stem(a), stem(b));
         let decimals = Decimal::of(&first).zip(Decimal::of(&second)).filter(|_| are_decimals);
@@ -21,7 +21,7 @@ fn stem(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A name that ends in a decimal number. The derived order compares field by field, exactly for any length.
+/// A name that ends in a decimal number. The derived order compares field by field, exactly for any count of digits.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Decimal {
     /// Digits before the point, without leading zeros: their count, then the digits.
@@ -53,7 +53,8 @@ impl Decimal {
         })
     }
 
-    /// True if all names are decimal numbers of one series, not counters behind letters that end in 0, such as `a1.10`.
+    /// True if all names are decimal numbers with the same prefix. False if a name has a prefix and two or more digits
+    /// behind the point, the last a 0: `a1.10` is a counter.
     fn are_one_series(all: &[Self]) -> bool {
         let prefix = all.first().map(|first| &first.prefix);
         all.iter().all(|one| Some(&one.prefix) == prefix && (one.prefix.is_empty() || !one.has_zero_at_the_end))

@@ -76,7 +76,7 @@ fn folder_of(file: &Path) -> &Path {
 pub fn behind_links(name: &Path) -> PathBuf {
     match fs::read_link(name) {
         Ok(next) if fs::metadata(name).is_err() => folder_of(name).join(next),
-        // A link to a pipe in /proc resolves to no path, so its own path is kept.
+        // A link in /proc to a pipe resolves to no path, so the path of the link is kept.
         _ => fs::canonicalize(name).unwrap_or_else(|_| name.to_owned()),
     }
 }
@@ -101,7 +101,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
         }
         _ => {}
     }
-    // A temporary file is readable by this user alone; 0o666 gives it the permissions of any new file.
+    // By default, only this user can read a temporary file; 0o666 gives it the permissions of any new file.
     let make = || temporary(".smr-", 0o666).suffix(".part").tempfile_in(folder_of(&target));
     let (made, _kept) = cleanup::keep_path(make)?;
     if let Ok(data) = there {

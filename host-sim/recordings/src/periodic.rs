@@ -15,7 +15,7 @@ const FLAT: i32 = 0;
 const BOARD: i32 = 1;
 const CONE: i32 = 2;
 
-/// For each frame: the pattern, and a board's shift to the left and up, or the position of a cone's peak, in pixels.
+/// Three numbers per frame: the pattern; then, in pixels, a board's shift left and up, or x and y of a cone's peak.
 const SCRIPT: [i32; 57] = [
     BOARD, 0, 0, BOARD, 4, 0, BOARD, 4, 4, BOARD, 6, 4, BOARD, 6, 6, BOARD, 2, 6, FLAT, 0, 0, FLAT, 0, 0, BOARD, 2, 2,
     BOARD, 6, 2, BOARD, 5, 1, BOARD, 5, 5, FLAT, 0, 0, BOARD, 1, 5, CONE, 32, 24, CONE, 32, 24, CONE, 35, 22, CONE, 30,

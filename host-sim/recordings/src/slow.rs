@@ -18,7 +18,7 @@ const Y: &Keys = &[(0, 52), (50, 30), (119, 66)];
 
 struct Kind {
     name: &'static str,
-    /// Distances in pixels between random levels of the target's texture: of its coarse grid, and of its fine grid.
+    /// Steps in pixels of the coarse and the fine grid of random levels whose average is the target's texture.
     grain: (i32, i32),
     levels: (i32, i32),
     /// Strength of the sensor noise; 1 is a standard deviation of 2.3 gray levels.
@@ -58,7 +58,7 @@ impl Kind {
         let mut noise = Random(0x5107_0000 + (number << 12) + index as u64);
         let (left, top) = place(index);
         GrayFrame::drawn(WIDTH, HEIGHT, |x, y| {
-            // A pixel shows the texture at its centre.
+            // The target is sampled at the centre of a pixel, the background at its upper left corner.
             let (right, down) = (x * PIXEL + PIXEL / 2 - left, y * PIXEL + PIXEL / 2 - top);
             let inside = (0..SIDE * PIXEL).contains(&right) && (0..SIDE * PIXEL).contains(&down);
             let sampled = if inside { target.sample(right, down) } else { ground.sample(x * PIXEL, y * PIXEL) };

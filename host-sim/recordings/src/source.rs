@@ -21,7 +21,7 @@ pub enum Source {
     Video(PathBuf),
     /// A live source, whose frames carry their own color planes.
     Live(Arc<Arrivals>),
-    /// A function that draws the frame of an index, and the number of frames.
+    /// A function that draws the frame with a given index; then the recording's number of frames.
     Made(fn(usize) -> ColorFrame, usize),
 }
 
@@ -47,7 +47,8 @@ impl Source {
         if let Self::Live(arrivals) = self { Some(Arc::clone(arrivals)) } else { None }
     }
 
-    /// Returns color frames from `first` on, up to the first unreadable one; videos have at most `side` pixels a side.
+    /// Returns color frames from frame number `first` on, up to the first unreadable one. Frames of a video are scaled
+    /// down to at most `side` pixels in width and height.
     fn color_from(&self, first: usize, side: u16, patience: Duration) -> Colors {
         match self {
             Self::Once | Self::Live(_) => Box::new(std::iter::empty()),
@@ -96,10 +97,10 @@ fn colored(frame: Frame, colors: &mut Colors) -> Frame {
     Frame { color: Some(resized(color, width, height)), moment, ..frame }
 }
 
-/// Multiplies the aspect ratio of a pixel by `by`, so that a picture scaled unevenly keeps its shape.
+/// Multiplies a pixel's aspect ratio, `width` to `height`, by `by`, so that an unevenly scaled picture keeps its shape.
 fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
     if (by - 1.0).abs() < 0.01 {
-        // Ignores a difference below 1 %, which comes from rounding half of an odd side.
+        // Ignores a difference below 1 %, which comes from rounding when an odd side is halved.
         return (width, height);
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // positive, and it saturates
@@ -107,8 +108,8 @@ fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
     (thousandths.max(1), 1000)
 }
 
-/// A recording that can be read from any frame on: pictures and Y4M by frame number, a video after a seek. A video is
-/// read from its start, like raw dumps, if a sought frame's time differs from the index or ffmpeg reports an error.
+/// A recording that can be read from any frame on: pictures and Y4M by frame number, a video after a seek. Raw dumps
+/// are read from their start; so is a video if a sought frame's time differs from the index or ffmpeg reports an error.
 pub struct Seekable {
     path: PathBuf,
     options: OpenOptions,
@@ -118,7 +119,7 @@ pub struct Seekable {
 }
 
 impl Seekable {
-    /// Opens the recording at `path`, also as a sequence that is read in order. Errors are those of [`open`].
+    /// Returns the recording at `path` twice: seekable, and as a sequence read in order. Errors are those of [`open`].
     pub fn open(path: &Path, options: &OpenOptions) -> Result<(Self, Sequence)> {
         let sequence = open(path, options)?;
         let index = sequence.source.video().map_or_else(Index::unknown, |file| Index::of(file, options.patience()));
@@ -245,7 +246,7 @@ mod tests {
         assert_eq!(gray(&recording, 100), synthetic::frame(99));
     }
 
-    /// Encodes a test video, repeated if its name begins with `joined`; `None` if this ffmpeg cannot write it.
+    /// Encodes a test video, two copies in a row if `name` begins with `joined`; `None` if this ffmpeg cannot write it.
     fn made(folder: &Path, name: &str, options: &str) -> Option<PathBuf> {
         let (file, map) = (folder.join(name), if options.contains("-map") { "" } else { "-map 0:v" });
         let inputs =

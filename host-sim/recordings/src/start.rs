@@ -25,8 +25,9 @@ pub struct Target {
 }
 
 impl Target {
-    /// Groups starts by target, in the order given, from frame `first` on. Errors: Two starts of a target in one frame,
-    /// a target without a name beside others, a frame before `first`, or an error of [`check_gone`].
+    /// Groups starts by target, in the order given; a start without a frame gets `first`, the first frame that is read.
+    /// Errors: Two starts of a target in one frame, a target without a name beside others, a frame before `first`, or
+    /// an error of [`check_gone`].
     pub fn all(starts: &[Start], first: usize) -> Result<Vec<Self>> {
         let mut targets: Vec<Self> = Vec::new();
         for Start { name, frame, bbox } in starts {

@@ -115,7 +115,7 @@ impl Pictures {
         wanted: Use,
         patience: Duration,
     ) -> Result<Self> {
-        // ffmpeg would silently scale frames of another size; with `-reinit_filter 0` it at least warns.
+        // If the frame size changed, ffmpeg would silently scale the frames; with `-reinit_filter 0` it at least warns.
         let options = [&FROM_ZERO, &["-reinit_filter", "0"], options].concat();
         let (scale, format, depth) = match wanted {
             Use::Gray => (String::new(), "gray", 1),
@@ -126,7 +126,7 @@ impl Pictures {
         };
         let start = |format, depth| -> Result<Self> {
             let mut command = command(program, "level+info", &input(file), &options);
-            // `setpts` after `showinfo` makes times grow, because ffmpeg writes no frame whose time goes back.
+            // `showinfo` prints the times, then `setpts` makes them grow: ffmpeg writes no frame whose time goes back.
             let filters = format!("{filters}{scale}format={format},showinfo=checksum=0,setpts=N*1000/TB");
             command.args(["-vf", &filters, "-fps_mode", "passthrough", "-f", "rawvideo", "-"]);
             let mut ffmpeg = Ffmpeg::run(&mut command, &file.display().to_string(), patience)?;
@@ -179,7 +179,8 @@ impl Pictures {
     }
 }
 
-/// Longest time step in seconds. A longer one is a join of videos: in MPEG-TS, times that go back count as an overflow.
+/// Longest step, in seconds, between the times of successive frames of a video. A longer step is a join of two videos:
+/// in MPEG-TS, ffmpeg takes a time that goes back for a clock overflow, which makes it a large step forward.
 pub(super) const MAX_TIME_JUMP: u32 = 43_200;
 
 /// Times that never go back: in a file of joined videos, each video continues the times of the one before.
@@ -187,9 +188,9 @@ pub(super) const MAX_TIME_JUMP: u32 = 43_200;
 struct Continued {
     last: Option<i64>,
     step: i64,
-    /// Offset added to the times of the file.
+    /// Offset added to the times of the file, in their unit.
     shift: i64,
-    /// True if frames are missing for less than a second; a longer gap may be a join of two videos.
+    /// True after a gap of over 1.5 frame intervals but under a second; a longer gap may be a join of two videos.
     has_gap: bool,
 }
 
@@ -256,7 +257,7 @@ mod tests {
         assert!(begin.elapsed() < Duration::from_secs(30));
     }
 
-    /// The middle level is 92 cd/m2 in PQ (ITU-R BT.2100), and 51 cd/m2 in HLG.
+    /// The test picture, at half of the signal range, shows 92 cd/m2 in PQ (ITU-R BT.2100), and 51 cd/m2 in HLG.
     #[test]
     fn light_of_more_than_a_screen_has_is_mapped_to_what_it_has() {
         let test = "light_of_more_than_a_screen_has_is_mapped_to_what_it_has";

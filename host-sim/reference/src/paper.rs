@@ -45,7 +45,8 @@ pub struct GateNumbers {
     pub tracking: (f64, f64),
     /// Ratio of peak to runner-up, a fraction `.0 / .1`, required if the box at the peak crosses the frame's edge.
     pub border: (f64, f64),
-    /// Ratio of peak to runner-up required after a box crossed the frame's edge, until a lost target is found again.
+    /// Ratio of peak to runner-up, a fraction `.0 / .1`, required inside the frame after the box at a peak crossed the
+    /// frame's edge, until the target has been lost and found again.
     pub been_at_border: (f64, f64),
     /// Ratio of peak to runner-up, a fraction `.0 / .1`, required for finding a lost target again.
     pub lost: (f64, f64),
@@ -312,7 +313,8 @@ impl Reference {
         outside.map(|(_, sums)| sums.rounded).fold(0.0, f64::max)
     }
 
-    /// Steps 5 and 6: the winning patch becomes the template; alpha = k * max |old - new|, or stays if this max is 0.
+    /// Steps 5 and 6: the winning patch becomes the template; alpha = k * max |old - new|, at least `least_alpha`. If
+    /// no pixel has changed, alpha stays.
     fn replace_template(&mut self, frame: &Picture) {
         let next = frame.cut(self.position.0, self.position.1, self.template.width, self.template.height);
         let changes = self.template.pixels.iter().zip(&next.pixels).map(|(old, new)| (old - new).abs());
@@ -323,14 +325,15 @@ impl Reference {
         self.template = next;
     }
 
-    /// Accepts a peak above `needed` * runner-up or runner-up + lead, if its mean similarity is at least `least_ratio`.
+    /// Accepts a peak above `needed` * runner-up or above runner-up + lead, if its mean per pixel reaches
+    /// `least_ratio`.
     fn is_accepted(&self, peak: f64, runner_up: f64, needed: (f64, f64)) -> bool {
         let gate = &self.numbers.gate;
         let stands_out = peak * needed.1 > runner_up * needed.0 || peak > runner_up + gate.lead * UNITS;
         stands_out && (peak / self.template.area()).floor() >= gate.least_ratio
     }
 
-    /// True if `least_ratio` is 0, or if the patch has enough contrast and few more clipped pixels than the template.
+    /// True if `least_ratio` is 0, or if the patch keeps both bounds, `least_contrast` and `most_cut_off`.
     fn is_shown(&self, frame: &Picture, (x, y): (i64, i64)) -> bool {
         let gate = &self.numbers.gate;
         let seen = frame.cut(x, y, self.template.width, self.template.height);

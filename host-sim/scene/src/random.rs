@@ -1,4 +1,4 @@
-//! Random numbers for scenes, faults and covers, equal on every machine.
+//! Random numbers for scenes and for simulated camera faults and covered lenses, equal on every machine.
 
 /// The generator SplitMix64 (Steele, Lea, Flood 2014).
 pub struct Random(pub u64);

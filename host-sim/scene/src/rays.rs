@@ -24,7 +24,7 @@ pub fn levels(color: Triple) -> [u8; 3] {
     color.map(|channel| (channel * 255.0) as u8)
 }
 
-/// A ball, or a block with four sides that may be slanted.
+/// A ball, or a block whose four side faces may be slanted.
 pub struct Solid {
     pub origin: Triple,
     /// Direction of the front on the ground: right and away.

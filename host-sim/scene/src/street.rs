@@ -95,7 +95,7 @@ impl Street {
         }
     }
 
-    /// Returns the box of the car in frame `index`; `None` where more than half of it is hidden.
+    /// Returns the box of the target car in frame `index`; `None` if more than half of the car is hidden.
     pub fn truth(&mut self, index: usize) -> Option<Sides> {
         self.stand();
         let cars = cars(index);
@@ -252,7 +252,8 @@ fn car([x, z]: [f64; 2], heading: [f64; 2], base: Triple) -> [Solid; 2] {
 type Road = [([f64; 2], f64); 400];
 
 fn road() -> Road {
-    /// Control points of Bezier curves: the ends of bends and, between two ends, the point where their tangents meet.
+    /// Control points (right, away) of Bezier curves, in meters: the ends of the bends and, between two ends, the point
+    /// where the tangents at both ends meet.
     const BENDS: [f64; 18] =
         [48.0, 62.0, 26.0, 62.0, 6.0, 62.0, -12.0, 62.0, -9.5, 48.5, -7.1, 35.5, 5.0, 32.8, 22.0, 29.0, 39.0, 25.2];
     let bends = BENDS.as_chunks::<2>().0;
@@ -301,7 +302,7 @@ fn ground(road: &Road, [grass, asphalt]: &[Texture; 2], [x, _, z]: Triple) -> Tr
     }
 }
 
-/// Returns the brightness of a texture at a position in meters, from 0 to 1.
+/// Returns the brightness, from 0 to 1, of a texture at a position in pixels of the texture.
 fn grain(texture: &Texture, x: f64, z: f64) -> f64 {
     #[allow(clippy::cast_possible_truncation)] // it saturates
     let sixteenths = |side: f64| (side * f64::from(PIXEL)) as i32;

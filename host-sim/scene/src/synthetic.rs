@@ -29,8 +29,8 @@ const POST_WIDTH: i32 = 36 * PIXEL;
 /// Key frames: pairs of a frame number and a value, with smooth interpolation between them.
 pub type Keys = [(i32, i32)];
 
-/// Left and top edge of the target in whole pixels: at fractions, a template replaced in every frame would drift, but
-/// trackers must be able to follow this recording to its end.
+/// Left and top edge of the target, in whole pixels. At fractions of a pixel a tracker that replaces its template in
+/// every frame would drift, but trackers must be able to follow this recording to its end.
 const TARGET_X: &Keys =
     &[(0, 36), (32, 84), (66, 60), (134, 64), (160, 8), (184, -28), (190, -28), (224, 56), (239, 66)];
 const TARGET_Y: &Keys = &[(0, 24), (32, 52), (66, 66), (134, 62), (184, 46), (190, 46), (239, 54)];
@@ -39,10 +39,10 @@ const POST_X: &Keys = &[(48, 161), (75, 85), (100, 76), (110, 76), (134, 88), (1
 /// Motion of the background to the left and up in pixels, too small for its texture to repeat.
 const PAN_X: &Keys = &[(0, 0), (120, 70), (239, 10)];
 const PAN_Y: &Keys = &[(0, 12), (80, 26), (160, 0), (239, 20)];
-/// Brightness in 256ths, constant while the target is outside of the picture.
+/// Brightness in 256ths of the textures' own gray levels, constant while the target is outside the picture.
 const LIGHT: &Keys = &[(0, 256), (80, 200), (150, 290), (210, 290), (239, 250)];
 
-/// Returns the box of the target in frame `index`; `None` where more than half of it is hidden or outside.
+/// Returns the target's box in frame `index`; `None` if more than half the target is hidden or outside the picture.
 pub fn truth(index: usize) -> Option<Sides> {
     let scene = Scene::at(index);
     let sides = [scene.target_x, scene.target_y, TARGET_WIDTH, TARGET_HEIGHT];
@@ -72,7 +72,8 @@ impl Scene {
         }
     }
 
-    /// Returns the gray level, with sensor noise, of the pixel whose corner (`x`, `y`) is in sixteenths of a pixel.
+    /// Returns the gray level, with sensor noise, of the pixel with top left corner (`x`, `y`), in sixteenths of a
+    /// pixel.
     fn pixel(&self, textures: &Textures, x: i32, y: i32, noise: &mut Random) -> u8 {
         let lit = (self.texture(textures, x, y) * self.light) >> 16;
         u8::try_from((lit + noise.noise()).clamp(0, 255)).unwrap_or(u8::MAX)

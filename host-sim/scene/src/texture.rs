@@ -9,7 +9,8 @@ pub struct Texture([u8; 1 << 16]);
 impl Texture {
     pub(super) const BLANK: Self = Self([0; 1 << 16]);
 
-    /// Averages two grids of random levels, in steps of `coarse` and `fine` pixels, scaled to `darkest` to `brightest`.
+    /// Averages two interpolated grids of random levels, with points `coarse` and `fine` pixels apart, and scales the
+    /// average to the range from `darkest` to `brightest`.
     pub fn new(seed: u64, (coarse, fine): (i32, i32), (darkest, brightest): (i32, i32)) -> Self {
         let mut random = Random(seed);
         let mut grid = || Self(core::array::from_fn(|_| random.next().to_le_bytes()[0]));

@@ -71,8 +71,8 @@ pub struct Check<T: Checked> {
 }
 
 impl<T: Checked> Check<T> {
-    /// Locks smr-core and the reference on `target` in the first frame. Steps of smr-core's updates do at most `step`
-    /// units of work. `config` and `numbers` must describe the same settings.
+    /// Locks smr-core and the reference on `target` in the first frame. smr-core then updates in steps of `step` units
+    /// of work (see `Tracker::update_step`). `config` and `numbers` must describe the same settings.
     pub fn lock(
         name: &str,
         (config, numbers): (T::Config, T::Numbers),

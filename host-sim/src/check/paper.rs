@@ -18,7 +18,7 @@ use smr_reference::{Decision, Numbers, Reference, Step};
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Counts {
     pub scores: u64,
-    /// Number of frames in which the tracker needed the runner-up of the peak, which was then compared, too.
+    /// Number of frames in which the best score outside the peak's neighbourhood was needed, and so compared, too.
     pub runners_up: usize,
     /// Largest |core's score - exact score|, in units of 1/65535.
     pub largest_difference: f64,
@@ -69,12 +69,13 @@ impl Checked for Paper {
 /// Largest possible difference between a score of `pixels` pixels and the exact one, in units of 1/65535.
 fn bound(pixels: u32) -> f64 {
     let n = f64::from(pixels);
-    // Rounding: half a unit for each table entry. f64 adds n numbers of at most 65535, each with a relative error of
-    // 2^-52, and rounds each partial sum of at most n * 65535 by a relative 2^-53.
+    // Core rounds each of the n table entries by at most half a unit. The exact sum in f64 has n terms of at most
+    // 65535, each with a relative error of 2^-52; each partial sum, at most n * 65535, is rounded by a relative 2^-53.
     n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
 }
 
-/// Core's scores at all positions, row by row. Each is computed alone, and so independent of the search's order.
+/// Core's scores at all positions of the window `offsets`, row by row. Core computes each score on its own, so the
+/// order in which its search visits the positions does not matter.
 fn core_scores(core: &Paper, offsets: &Window, frame: &GrayFrame) -> Result<Vec<u32>> {
     let frame = frame.frame();
     let score = |x, y| score_of(core, &frame, (x, y)).context("a whole frame holds every pixel");
@@ -98,7 +99,8 @@ impl Counts {
         different
     }
 
-    /// Records that core's peak is not the exact one: a violation if its exact score is lower by over `2 * bound`.
+    /// Records a frame in which core's peak is at another position than the exact peak. It is a violation if the exact
+    /// score at core's peak is lower than the exact peak by over `2 * bound`.
     fn exact_arg_max(&mut self, frame: usize, peaks: &Peaks, step: &Step) -> Option<Violation> {
         let peak = (i64::from(peaks.peak.x), i64::from(peaks.peak.y));
         if peak == step.exact_peak.0 {

@@ -1,5 +1,6 @@
-//! Comparison of the robust tracker with its reference, in each frame: requested windows, features, response map,
-//! response at the target, ratio, confidence, state, scale, box, weights, early template. Core gets only the windows.
+//! Comparison of the robust tracker with its reference, in each frame: grid, requested windows, features, response map,
+//! redetection, response at the target, ratio, confidence, state, scale, box, weights, early template. smr-core gets
+//! only the pixels in the windows that it requests.
 
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
@@ -274,7 +275,7 @@ mod tests {
         through(check, [still(0), cut(still(0)), cut(still(0)), still(0)].into_iter())
     }
 
-    /// Noise hides the target for 75 frames. The confidence limits are 1, so the refiner's network decides the state.
+    /// Noise hides the target for 75 frames. Confidence limits of 1/65535 leave the state to the refiner's network.
     fn noisy(mut numbers: Numbers) -> Report {
         let mut config = Config::refined();
         (config.lost_below, config.uncertain_below) = (1, 1);
@@ -292,7 +293,7 @@ mod tests {
         through(lock("noisy", numbers, config, &frame(0), Rect::new(60, 40, 40, 40)), (1..94).map(frame))
     }
 
-    /// A target jumps over a tiled background, then grows in each frame with the right half of its pixels inverted.
+    /// A target jumps over a tiled background. Then it grows by a pixel in each frame, with its right half inverted.
     fn jumping(numbers: Numbers) -> Report {
         let frame = |(left, top): (usize, usize), side: usize| {
             let target = tiles(32, 32, |x, y| (x, y));
@@ -382,7 +383,8 @@ mod tests {
         through(check, there.chain([None; 8]).chain([Some((190, 120)); 16]).map(frame))
     }
 
-    /// Picture whose pixel (x, y) has the gray level at `moved(x, y)` in a pattern of tiles of 4x4 equal pixels.
+    /// Picture of a pattern of tiles; a tile has 4x4 pixels of one gray level. Pixel (x, y) shows the pattern at
+    /// `moved(x, y)`.
     fn tiles(width: usize, height: usize, moved: impl Fn(usize, usize) -> (usize, usize)) -> Vec<u8> {
         let tile = |x: usize, y: usize| u8::try_from((x * 83 + y * 47 + x * y * 29) % 256).unwrap();
         let pixel = |(x, y): (usize, usize)| tile(x / 4, y / 4);

@@ -91,7 +91,7 @@ impl Check {
         let (name, mut frames) = (sequence.name, sequence.frames);
         let first = frames.next().with_context(|| format!("{name}: no frames"))??.gray;
         let progress = progress::bar(&name, sequence.length.map(|length| length.saturating_sub(1)));
-        // Locks here first, so that a refused box gets the same message as in other commands.
+        // Locks a separate tracker before the check, so that a refused box gets the same message as in other commands.
         let variant = self.tracker.variant(self.method.into())?;
         lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
         let mut run = check::Check::<T>::lock(&name, numbers, step, &first, target)?;

@@ -51,7 +51,7 @@ struct Report {
 
 impl Convert {
     pub fn run(self) -> Result<Outcome> {
-        // Toolkits (VOT, OTB, GOT-10k) read a folder, whatever its name.
+        // For a toolkit (VOT, OTB, GOT-10k) `--out` is a folder, which may have any name and extension.
         let is_folder = self.format.is_some_and(Format::needs_boxes);
         let places = Places::of([&self.sequence]);
         places.writes("--out", Some(&self.out), (!is_folder).then_some(TAKEN)).check()?;

@@ -1,4 +1,5 @@
-//! `host-sim eval`: measures methods, and other trackers' results, against ground truth, from one start or several.
+//! `host-sim eval`: measures methods and other trackers' results against ground truth. A method starts once or several
+//! times in each recording.
 
 use super::progress::Expected;
 use super::recording_options::RecordingOptions;
@@ -247,7 +248,8 @@ impl Eval {
         self.method.is_empty() && self.tracker.says_nothing() && self.recording.says_nothing_of_start()
     }
 
-    /// Opens a recording. With `--frames` its name gets the range, because published figures apply to all frames only.
+    /// Opens a recording. Adds a given range of frames to its name, so that it does not match the published results,
+    /// which are for all frames.
     fn open_part(&self, path: &Path) -> Result<Sequence> {
         let mut sequence = self.recording.open(path)?;
         if let Some(frames) = self.recording.frames() {

@@ -16,7 +16,8 @@ impl Events {
         Self(vec![Seen::default(); targets])
     }
 
-    /// Event of an answer: `lost at 0:12.4 (frame 311)`. `None` if the target was not locked, corrected, lost or found.
+    /// Counts the state of a tracker's answer. Returns the answer's event, such as `lost at 0:12.4 (frame 311)`, or
+    /// `None` if the target was not locked, corrected, lost or found.
     pub fn of(&mut self, target: usize, locks: bool, frame: usize, time: Option<f64>, state: State) -> Option<String> {
         let seen = &mut self.0[target];
         let before = seen.last.replace(state);
@@ -32,7 +33,7 @@ impl Events {
         Some(format!("{event} at {}", time.map_or(frame.clone(), |time| format!("{} ({frame})", clock(time)))))
     }
 
-    /// Number of frames in each state: `tracking 4, lost 2`.
+    /// Returns the number of frames of a target in each state that occurred, as text: `tracking 4, lost 2`.
     pub fn sum(&self, target: usize) -> String {
         let counts = self.0[target].frames.iter().zip(State::ALL).filter(|(count, _)| **count > 0);
         counts.map(|(count, state)| format!("{} {count}", name_of(state))).collect::<Vec<_>>().join(", ")

@@ -1,5 +1,5 @@
-//! Exit code of a command (0 success, 1 a check failed, 2 bad usage or input, 128 + N ended by signal N), and its error
-//! as one line on standard error: what is wrong, where, and what was expected.
+//! Exit codes of a command: 0 success, 1 a check failed, 2 bad usage or input, 128 + N ended by signal N. An error is
+//! printed as one line on standard error: what is wrong, where, and what was expected.
 
 use super::usage;
 use anyhow::{Context, Result, anyhow};
@@ -26,7 +26,7 @@ pub fn program<T: Parser>(run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
 
 pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
     let all = T::command();
-    // Messages use a fixed program name, whatever the name of its file.
+    // Messages use the program's own name, even if its executable file is renamed.
     let all = all.clone().bin_name(all.get_name().to_owned());
     if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {
         return refused(&error, &all);

@@ -128,7 +128,8 @@ pub fn run() -> ExitCode {
 }
 
 fn say_what_to_type(out: &mut Vec<u8>) -> io::Result<()> {
-    // Program path as typed, so that examples can be copied: after `cargo run` it is like target/release/host-sim.
+    // Path by which the program was started (such as target/release/host-sim with `cargo run`), so that users can copy
+    // the examples.
     let program = std::env::args().next().unwrap_or_else(|| "host-sim".to_owned());
     writeln!(
         out,

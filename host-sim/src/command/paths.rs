@@ -1,4 +1,4 @@
-//! Checks of a command's paths: no two outputs are the same file, and no output belongs to an input.
+//! Checks of a command's paths: outputs differ, have allowed extensions, and are no input or file of an input.
 
 use anyhow::{Result, bail, ensure};
 use smr_recordings::output;
@@ -21,7 +21,7 @@ pub struct Taken {
 
 impl Taken {
     fn takes(self, output: &Path) -> bool {
-        // A device or a folder may have any name. The writer itself refuses a folder in place of a file.
+        // An existing device or folder may have any name. If the output must be a file, its writer refuses a folder.
         if fs::metadata(output).is_ok_and(|data| !data.is_file()) {
             return true;
         }
@@ -99,7 +99,7 @@ fn is_same(one: &Path, other: &Path) -> bool {
     real(one) == real(other)
 }
 
-/// Resolves symbolic links. Of a file that does not exist yet, only the folder is resolved.
+/// Resolves symbolic links, also in the path of a file that does not exist yet if its folder exists.
 fn real(path: &Path) -> PathBuf {
     let path = &output::behind_links(path);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -107,7 +107,8 @@ fn real(path: &Path) -> PathBuf {
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
 }
 
-/// True if `file` belongs to the recording at `path`, or to one in the folder `path`.
+/// True if `file` is an annotation file beside the recording `path`, or if `path` is a folder that contains `file` (at
+/// any depth) as frames, an annotation or a result. `file` must exist or have the name of an annotation file.
 fn is_part(file: &Path, path: &Path) -> bool {
     let (file, path) = (real(file), real(path));
     let folder = if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(&path) };

@@ -25,7 +25,7 @@ struct State {
     shown: Instant,
 }
 
-/// Creates a progress line over `frames` frames; with `None` it only counts them.
+/// Creates a progress line for `frames` frames. With `None` it shows the number of frames done and their rate.
 pub fn bar(name: &str, frames: Option<usize>) -> Bar {
     of(name, frames, "frames")
 }
@@ -66,7 +66,8 @@ impl Bar {
         let seconds = self.began.elapsed().as_secs_f64();
         match all {
             Some(all) => {
-                // Estimates by the mean rate since the start, because the latest rate depends on a single recording.
+                // Estimates the time left from the mean rate since the start, because the latest rate depends on a
+                // single recording.
                 let left = seconds * all.saturating_sub(*done) as f64 / *done as f64;
                 format!(": {done} of {all} {}, {left:.0} s left", self.what)
             }

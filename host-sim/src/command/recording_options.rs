@@ -55,7 +55,7 @@ impl RecordingOptions {
         Some(self.frames.map_or_else(|| FrameRange::from(first), |frames| frames.begun_at(first)))
     }
 
-    /// The range of `--frames`, counted from the first ground-truth box, as in other trackers' result files.
+    /// Range of `--frames`, renumbered so that the first ground-truth box is in frame 1, as in other trackers' results.
     pub fn frames_of_truth(&self) -> Option<FrameRange> {
         self.frames.map(|frames| frames.counted_from(self.truth_from.map_or(1, NonZeroUsize::get)))
     }
@@ -76,7 +76,8 @@ impl RecordingOptions {
         self.open_all(path, false).map(|(sequence, _)| sequence)
     }
 
-    /// Opens a recording, live ones only with `takes_live`. Returns the options' targets, else the recording's own.
+    /// Opens a recording, a live one only with `takes_live`. Returns the targets of `--init`; without any, the
+    /// recording's own target.
     pub fn open_with_targets(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
         let (sequence, targets) = self.open_all(path, takes_live)?;
         if let Some(resize) = self.resize {
@@ -90,7 +91,7 @@ impl RecordingOptions {
         if !targets.is_empty() {
             return Ok((sequence, targets));
         }
-        // Fails without a box, with an error that explains how to give one.
+        // If the recording has no initial box, this fails with an error that explains how to give one.
         sequence.start()?;
         let starts = vec![(sequence.first, sequence.init)];
         Ok((sequence, vec![Target { name: None, starts }]))
@@ -120,7 +121,7 @@ impl RecordingOptions {
             ensure!(fits, "{name}: --frames reaches before the ground truth: expected frame {first} or later");
             sequence = sequence.with_truth_from(first);
         } else if let Some((part, boxes)) = self.frames.zip(sequence.truth.as_ref().map(Vec::len))
-            // Counting the frames takes time, and a range from the first frame on does not need their number.
+            // A range that starts at frame 1 does not need the number of frames, and counting them takes time.
             && part.first() != 1
             && part.length_of(usize::MAX) >= boxes
             && let length = self.length(path, &options, &sequence)
@@ -160,7 +161,7 @@ impl RecordingOptions {
         Ok((sequence, targets))
     }
 
-    /// Number of frames. In a video, packets are counted or, if that fails, decoded frames.
+    /// Number of frames; `None` if unknown. In a video, counts packets or, if that fails, decoded frames.
     fn length(&self, path: &Path, options: &OpenOptions, sequence: &Sequence) -> Option<usize> {
         let packets = || sequence.source.length(self.ffmpeg_patience());
         let decoded =

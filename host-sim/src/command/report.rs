@@ -153,7 +153,8 @@ impl Report {
         let frame = self.frame.map(|frame| frame.get() - 1);
         let (mut plans, mut left_out) = (Vec::new(), Vec::new());
         for figure in Figure::ALL {
-            // An unusable frame or range is an error if the user gave it; otherwise its figure is left out.
+            // The figures `Boxes` and `Occlusion` must be drawn if the user chose their frame or range of frames. Any
+            // other figure that cannot be drawn is left out.
             let must = match figure {
                 Figure::Boxes => self.frame.is_some(),
                 Figure::Occlusion => self.hidden.is_some(),
@@ -195,7 +196,7 @@ impl Report {
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
             let (stills, several) = (BTreeSet::new(), targets.len() > 1);
             let mut film = report::watch(sequence, targets, methods, refusal, &stills, budget, || progress.inc())?;
-            // Other trackers' results are for a single target, the one with ground truth.
+            // Result files of other trackers describe only one target, the one with ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames_of_truth())?;
             }

@@ -129,7 +129,7 @@ impl Track {
         Ok(Outcome::Holds)
     }
 
-    /// Errors: The format has no names for several targets, or the file's extension belongs to another format.
+    /// Errors: The format cannot name several targets, or the extension of the output file belongs to another format.
     fn format(&self, targets: usize) -> Result<Format> {
         let usual = if targets > 1 { Format::Csv } else { Format::Tld };
         let of_file = self.out.as_ref().and_then(|out| Format::of_file(out));
@@ -271,7 +271,7 @@ fn warning(poor: &[Option<&str>]) -> Option<String> {
     }
 }
 
-/// Output of lines. Standard output gets each line at once, so an error loses none; a file is complete at the end.
+/// Output of lines. Standard output gets each line at once, so an error loses none; a file appears only when complete.
 enum Lines {
     /// Standard output. With `goes_on`, a closed pipe does not end the command, because a video is written, too.
     Printed {

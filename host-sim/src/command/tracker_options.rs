@@ -66,7 +66,8 @@ struct Known {
     methods: &'static [MethodKind],
 }
 
-/// Settings of both trackers, and `scale` and `pruning` of the paper's tracker, which only `--set` knows.
+/// Settings that `--set` accepts: all that smr-core lists for both trackers, and `scale` and `pruning` of the paper's
+/// tracker, which it does not list.
 fn known() -> impl Iterator<Item = Known> {
     use MethodKind::{Lk, Ncc, Robust, Sad, Smr, Ssd};
     fn of<C: Settings>(methods: &'static [MethodKind]) -> impl Iterator<Item = Known> {
@@ -169,7 +170,8 @@ fn backend_as_name<S: Serializer>(backend: &Option<Backend>, serializer: S) -> R
 }
 
 impl TrackerOptions {
-    /// Returns each of `methods` once, with settings. Errors: An option applies to none of them, or is out of range.
+    /// Returns one variant, with the settings given, for each different method in `methods`. Errors: An option applies
+    /// to none of `methods`, or is out of range.
     pub fn variants(&self, methods: &[MethodKind]) -> Result<Vec<Variant>> {
         self.check_for(methods)?;
         let configs = self.configs()?;
@@ -328,7 +330,7 @@ impl TrackerOptions {
     }
 }
 
-/// Appends the values of the settings that `error` names to its message.
+/// Returns an error with the message of `error`, and with the values of the settings that this message names.
 fn both<C: Settings>(config: &C, error: ConfigError) -> anyhow::Error {
     let shown = |setting: &Setting| {
         let values = config.get(setting.name()).unwrap_or_default().map(|value| value.to_string());

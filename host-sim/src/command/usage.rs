@@ -198,7 +198,8 @@ impl Line<'_> {
             let typed = after[..count].join(" ");
             let bare = typed.trim_matches(|letter| "()[]{}".contains(letter));
             for (from, (to, separator)) in TYPED.iter().flat_map(|from| SEPARATORS.map(|to| (from, to))) {
-                // A single word is also tried without a wrong separator: brackets or capitals may be its only fault.
+                // A single word is also tried with its separators unchanged: brackets or capitals may be its only
+                // fault.
                 let is_tried = bare.contains(from) || (*from == " " && count == 1);
                 let is_in_name =
                     *from != " " && bare.match_indices(from).any(|(at, _)| bare[..at].ends_with(char::is_alphabetic));

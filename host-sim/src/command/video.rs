@@ -27,7 +27,8 @@ impl Film {
         Ok(Self { film: export::Film::create(out, plan)?, truth: truth.into_iter(), lasts: Vec::new() })
     }
 
-    /// Draws the ground truth in white, a single target's box in the color of its state, and several in a color each.
+    /// Draws the ground truth in white. The box of a single target has the color of the target's state; with several
+    /// targets, the box of each has the target's own color.
     pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
         let (number, moment) = (frame.number, frame.moment);
         let mut overlay = Overlay::new(frame.color.unwrap_or_else(|| (&frame.gray).into()));

@@ -95,8 +95,8 @@ macro_rules! sizes {
     };
 }
 
-/// Returns C code that compiles only if each struct has the size that it has in this library. It fails if an earlier
-/// header leaves a `#pragma pack` on.
+/// Returns C code that compiles only if each struct has the size that it has in this library. The code does not compile
+/// if an earlier header leaves a `#pragma pack` on.
 fn sizes(types: &str) -> String {
     let mut text = String::from(
         "

@@ -5,7 +5,7 @@
 use smr_core::{Setting, Settings, Shape, paper, robust};
 use std::path::Path;
 
-/// Compares the text of a file between `start` and `end` with `now`, or replaces it by `now` if `SMR_RECORD` is set.
+/// Asserts that the text between `start` and `end` in the file is `now`; if `SMR_RECORD` is set, writes `now` there.
 fn is_recorded(file: &str, start: &str, end: &str, now: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
     let text = std::fs::read_to_string(&path).expect("the file is there");

@@ -10,7 +10,8 @@ use smr_core::unstable::{CutTable, Scorer};
 use smr_core::{Answer, Image, Rect};
 use std::hint::black_box;
 
-/// A typical threshold of gray-level differences: a quarter of the largest difference between successive templates.
+/// A typical threshold in gray levels: a quarter (the paper's k) of the largest change of a pixel from one template to
+/// the next.
 const THRESHOLD: u16 = 30;
 
 fn scorer(backend: Backend) -> (Scorer<'static>, Patch) {

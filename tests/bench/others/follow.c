@@ -1,6 +1,6 @@
 /*
- * Firmware that follows a target through frames.bin with lock() and find(), and writes its places to places.txt. host-sim finds in
- * QEMU's trace what runs between two calls of smr_ticks.
+ * Firmware that follows a target through frames.bin with lock() and find(), and writes the target's places to
+ * places.txt. `smr-qemu --cycles` estimates the cycles of the code between two calls of smr_ticks.
  */
 
 #include "follow.h"
@@ -39,7 +39,7 @@ static window cut(int width, int height, place at, place *corner)
 
 int main(void)
 {
-    /* Width and height of the frames, number of frames, x and y of the target in the first frame. */
+    /* Width, height and number of the frames; column and row of the target's top left pixel in the first frame. */
     uint16_t header[5];
     FILE *in = fopen("frames.bin", "rb"), *out = fopen("places.txt", "w");
     if (!in || !out || fread(header, sizeof header, 1, in) != 1)

@@ -1,5 +1,6 @@
 /*
- * The interface of each program in this folder: a target of 64x64 is locked, then found in the window around its last place, +-16 pixels.
+ * Interface of each program in this folder: lock() learns a target of 64x64 pixels; find() searches a window that
+ * reaches 16 pixels beyond the target's last place on each side.
  */
 
 #ifndef FOLLOW_H
@@ -25,7 +26,7 @@ typedef struct window {
 /* Learns the target, whose place in the window is `at`. */
 void lock(window, place at);
 
-/* Returns the target's place in the window; `last` is its place in the frame before, in the same window. */
+/* Returns the target's place in the window. `last` is its place in the previous frame, relative to the same window. */
 place find(window, place last);
 
 #endif

@@ -8,11 +8,12 @@ import smr
 
 SIDE = 64
 WINDOWS = {"+-16": (16, 16), "+-60x50": (60, 50)}
-# Approximate number of updates to time; largest number of runs of each; total seconds after which these end.
+# Approximate number of updates to time; largest number of runs of each update; total seconds of these runs, after which
+# no further one starts.
 UPDATES, REPEATS, ENOUGH = 60, 15, 0.01
 # Largest shift of the target in the second frame in pixels; smaller near the frame's edge.
 SPARE = 8
-# Trackers of smr and of OpenCV, with the largest allowed ratio of their times.
+# Name of smr's tracker, name of OpenCV's counterpart, and the largest allowed ratio of their median times (smr/OpenCV).
 GOALS = [
     ("smr.Paper, +-16", "matchTemplate, +-16", 1 / 10),
     ("smr.Paper, +-60x50", "matchTemplate, +-60x50", 1 / 3),

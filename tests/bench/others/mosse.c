@@ -1,7 +1,8 @@
 /*
  * MOSSE (Bolme et al., CVPR 2010) in single precision on 64x64 pixels, with the parameters of mckaydm/openmv_mosse, but
- * not its training at the start. Input: logarithm, zero mean, unit deviation, Hann window. Filter: A/B; A and B learn
- * where its response peaks. Three complex FFTs an update, as there; FFTs of real input could take half the time.
+ * not its training at the start. Input: logarithm, zero mean, unit deviation, Hann window. Filter: A/B; after a search,
+ * A and B learn the pixels at the response's peak. An update has three complex FFTs, as in openmv_mosse; FFTs of real
+ * input could take half the time.
  */
 
 #include "follow.h"

@@ -1,6 +1,7 @@
 /*
- * The least sum of absolute differences over all offsets, by hand: four pixels an instruction on a Cortex-M4 (USADA8), 16 on a
- * Cortex-M55 (VABAV). With STOP, an offset is given up in the row in which its sum is no longer the least.
+ * Hand-written search of all offsets for the least sum of absolute differences. An instruction adds four pixels on a
+ * Cortex-M4 (USADA8), 16 on a Cortex-M55 (VABAV). With STOP, an offset is given up in the row in which its sum is no
+ * longer the least.
  */
 
 #include "follow.h"
@@ -59,7 +60,7 @@ static uint32_t sum_at(window in, place at, uint32_t least)
 
 place find(window in, place last)
 {
-    /* The target has mostly hardly moved: the small sum at its last place makes later offsets end early. */
+    /* The target mostly moves little: with STOP, the small sum at its last place makes other offsets end early. */
     place best = last;
     uint32_t least = STOP ? sum_at(in, last, UINT_MAX) : UINT_MAX;
     for (int y = 0; y <= in.height - SIDE; y++) {

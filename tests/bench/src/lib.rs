@@ -45,7 +45,7 @@ pub fn tracker(backend: Backend, pruning: bool) -> Box<Small> {
 }
 
 impl Prepared {
-    /// Locks in the first frame and updates with the second, so that template and threshold are as in a long run.
+    /// Locks in the first frame and updates with the second: template and pixel threshold are then as in a long run.
     pub fn new(backend: Backend, pruning: bool, target: Rect) -> Self {
         let mut tracker = tracker(backend, pruning);
         tracker.lock(&frame().frame(), target).expect("the box lies in the frame");

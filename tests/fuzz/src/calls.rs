@@ -27,7 +27,7 @@ pub(crate) fn run<T: Fuzzed>(bytes: &[u8], extent: &'static Extent) -> Result<()
         return Ok(());
     };
     let ran = pair.calls(u);
-    // Compares also if the input ends in the middle of an update.
+    // Compares what both trackers save, even if the calls ended early because the input did.
     pair.same_to_the_last_bit();
     ran
 }
@@ -92,7 +92,7 @@ impl<T: Fuzzed> Pair<T> {
         }
     }
 
-    /// Returns any box, mostly one that fits; if `lock` is slow, mostly one that `lock` refuses.
+    /// Returns a box to lock: mostly one inside the frame, or, if `lock` is slow, mostly one that `lock` refuses.
     fn target(&self, u: &mut Unstructured<'_>) -> Result<Rect> {
         let (Rect { width, height, .. }, most) = (self.scene.bounds(), self.extent.side);
         let any = |u: &mut Unstructured<'_>| -> Result<Rect> {
@@ -137,8 +137,7 @@ impl<T: Fuzzed> Pair<T> {
         };
         match locked {
             Ok(_) => assert_eq!(self.any.bbox(), Some(target.into())),
-            // `lock` refuses a part of the frame only if it does not contain the lock window, which was too large to
-            // allocate.
+            // This error is right only if the part is not the lock window, which was too large to allocate.
             Err(LockError::LockWindowNotInMemory) => assert_ne!(part.rect, window),
             Err(_) => assert_eq!(before, saved(&self.any)),
         }
@@ -154,7 +153,7 @@ impl<T: Fuzzed> Pair<T> {
         self.scene.part(Rect::new(0, 0, 1, 1), 0)
     }
 
-    /// Allocates the windows of the next update; `None` if they are too large.
+    /// Allocates the windows of the next update; `None` if one is too large or the tracker is not locked.
     fn needed(&self, gap: usize) -> Option<(Part, Option<Part>)> {
         let window = self.any.window()?;
         let sweep = self.any.sweep_window();
@@ -263,7 +262,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// Starts an update, and ends it by a turn of the camera.
+    /// Runs the first step of an update, then turns the camera.
     fn give_up(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let Some((first, second)) = self.needed(gap(u)?) else { return Ok(()) };
         let shown = frame(&self.scene, &first, second.as_ref());
@@ -276,7 +275,7 @@ impl<T: Fuzzed> Pair<T> {
                 }
             }
         }
-        // Any other call gives up the unfinished update.
+        // The turn gives up the update if it is unfinished.
         self.turn(u)
     }
 

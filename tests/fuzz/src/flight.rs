@@ -1,4 +1,5 @@
-//! Replays a flight record with changed entries and correct checksums, up to its end, a difference or an invalid entry.
+//! Replays a flight record with changed entries and correct checksums. The replay stops at the first invalid entry and
+//! at the first difference from the record.
 
 use arbitrary::{Result, Unstructured};
 use host_sim::replay::replay;

@@ -64,7 +64,7 @@ trait Fuzzed: smr_core::Target<Config: 'static> {
 
     fn plain(config: Self::Config) -> Self::Config;
 
-    /// Returns saved targets with the usual configuration and their scenes; made once.
+    /// Returns targets saved with the usual configuration, each with its scene; all are made once.
     fn locked() -> &'static [(scene::Scene, Vec<u8>)];
 
     /// Returns saved targets to start from if `lock` is slow; made once.

@@ -68,7 +68,7 @@ pub(crate) fn raw(bytes: &[u8]) {
     recording("1.raw", pixels, Some((u16::from_le_bytes([a, b]) >> 6, u16::from_le_bytes([c, d]) >> 6)));
 }
 
-/// Reads ground truth, starts and results in the formats of TLD, OTB, VOT and GOT-10k.
+/// Reads ground truth, first boxes (`init.txt`) and results in the formats of TLD, OTB, VOT and GOT-10k.
 pub(crate) fn boxes(bytes: &[u8]) {
     let Some((form, text)) = bytes.split_first() else { return };
     let names = ["gt.txt", "groundtruth_rect.txt", "groundtruth.txt", "init.txt", "absence.label", "result.txt"];

@@ -4,7 +4,7 @@ use crate::extent::Extent;
 use arbitrary::{Result, Unstructured};
 use smr_core::{Frame, Image, Rect};
 
-/// Largest number of pixels in a part of the frame in memory.
+/// Largest number of pixels in a `Part`.
 const MOST: u32 = 1 << 16;
 
 pub(crate) const KINDS: u8 = 7;
@@ -40,7 +40,7 @@ impl Scene {
         Ok(Self { width, height, kind: u.arbitrary()?, seed: u.arbitrary()?, right: 0, down: 0, gain: 64 })
     }
 
-    /// Returns a small scene of one of the kinds, with the camera at rest.
+    /// Returns a scene of 64x48 pixels of the kind `kind`, not yet moved.
     pub(crate) fn of(kind: u8) -> Self {
         Self { width: 64, height: 48, kind, seed: 0x1234_5678, right: 0, down: 0, gain: 64 }
     }

@@ -29,7 +29,7 @@ fn every_input_passes() {
     }
 }
 
-/// Runs each target on the empty input and on beginnings of a whole one: a fuzzer's inputs mostly end early.
+/// Runs each target on the empty input and on beginnings of a committed input: a fuzzer's inputs mostly end early.
 #[test]
 fn nothing_and_the_beginning_of_an_input_pass() {
     for (name, target) in TARGETS {

@@ -114,8 +114,9 @@ fn lead(film: &Film) -> Result<Option<String>> {
     Ok(letters.next().map(|first| first.to_uppercase().to_string() + letters.as_str() + "."))
 }
 
-/// Finds the longest run of frames (hidden ones skipped) in which `other` is wrong and `best` correct: its first frame,
-/// and true if `other` is mostly *lost* in it; `None` if it is short. Errors: Ground truth of another length.
+/// Returns the first frame of the longest run of frames in which `other` is wrong and `best` correct, and true if
+/// `other` is *lost* in most of the run. Frames that hide the target do not end a run. `None` if the run is shorter
+/// than `MIN_FAILURE_FRAMES`, or without ground truth. Errors: Ground truth of another length than the film.
 pub(super) fn longest_failure(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
     let Some(truth) = &film.truth else { return Ok(None) };
     let of = |method: usize| overlaps(&film.trajectory(method), truth);

@@ -11,7 +11,8 @@ use serde_json::{Value, json};
 use smr_evaluation::{Evidence, Report, centre_errors, name_of, overlaps};
 use smr_recordings::BoundingBox;
 
-/// Returns all films as JSON, with `<` escaped, as it could end the element. Errors: Ground truth of another length.
+/// Returns all films as JSON. `<` is escaped, as `</script>` in a name would end the page's element that holds the
+/// JSON. Errors: Ground truth of another length than its film.
 pub(super) fn data(films: &[Film]) -> Result<String> {
     let recordings = films.iter().map(recording).collect::<Result<Vec<_>>>()?;
     let data = json!({ "bar": BAR, "bars": BARS, "recordings": recordings });

@@ -10,7 +10,7 @@ use smr_recordings::{ColorFrame, GrayFrame, decode_colors};
 
 /// Longest side of a picture in pixels, however large the budget is.
 const LARGEST: u16 = 960;
-/// Longest side in pixels at which pictures are no longer scaled down; instead, every other one is removed.
+/// Lower limit for the longest side of scaled-down pictures, in pixels; at it, every other picture is removed instead.
 const SMALL: u16 = 320;
 /// Longest side in pixels of a template or difference map; a larger one is subsampled by 2, 3, ...
 const LARGEST_PATCH: u16 = 64;
@@ -54,7 +54,7 @@ impl Pictures {
         Ok(())
     }
 
-    /// Returns the bytes of all pictures in the page, where base64 encodes 3 bytes as 4 characters.
+    /// Returns the size in bytes of all pictures in the page, where base64 encodes 3 bytes as 4 characters.
     pub fn bytes(&self) -> usize {
         self.kept.iter().map(|picture| picture.jpeg.len().div_ceil(3) * 4 + picture.compared).sum()
     }
@@ -63,7 +63,8 @@ impl Pictures {
         self.kept.first().map_or(0, |first| first.side)
     }
 
-    /// Halves the side of the pictures or, at the smallest side, their count; returns false if neither is possible.
+    /// Halves the longest side of the pictures, but not below `SMALL`; at `SMALL`, halves their number instead. Returns
+    /// false if only one small picture is left.
     pub fn shrink(&mut self) -> Result<bool> {
         let side = self.side();
         if side > SMALL {
@@ -87,7 +88,7 @@ fn small(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
     encode::color_jpeg(&encode::within(frame, side), encode::ENOUGH)
 }
 
-/// Returns the template, the difference map and its histogram as JSON, and the bytes that they take in the page.
+/// Returns the template, the difference map and its histogram as JSON, and roughly their size in the page in bytes.
 fn comparison(observation: &Observation) -> Result<(Value, usize)> {
     let Some(Search { difference, alpha }) = &observation.search else { return Ok((Value::Null, 0)) };
     let template = patch(&thinned(&difference.template))?;

@@ -9,15 +9,16 @@ use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, free_gain, relit, threshold};
 
 pub struct Observation {
-    /// Box of the method. If the target is lost: the last accepted box, or one found but not confirmed.
+    /// Box of the method. While the target is lost: the last accepted box, or a candidate that is not confirmed.
     pub bbox: BoundingBox,
     /// Compared pixels; `None` in the frame of a lock, which needs no search.
     pub search: Option<Search>,
 }
 
 pub struct Search {
-    /// Difference from the template. smr: at its best position, accepted or not. Baselines: in the method's box. Robust
-    /// tracker: in its box, from its early template (of the first frames).
+    /// Difference of the compared pixels from the template. Paper's tracker: at the most similar position, accepted or
+    /// not. Baselines: in the method's box. Robust tracker: around its tracked position, from its early template (of
+    /// the first frames).
     pub difference: Difference,
     /// Threshold: pixels with a smaller difference count toward the similarity. `None` if all pixels count.
     pub alpha: Option<u16>,
@@ -78,7 +79,7 @@ impl Method for ObservedTracker {
     }
 }
 
-/// Returns a *lost* report for a frame before the target's first one; the box to draw is the target's first, `start`.
+/// Returns a *lost* report for a frame before the target's first lock, and the box of that lock, `start`, to draw.
 pub(super) fn not_begun(start: Rect) -> (Report, Observation) {
     let report = Report { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
     (report, Observation { bbox: start.into(), search: None })

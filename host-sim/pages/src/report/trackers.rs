@@ -18,7 +18,8 @@ pub(super) struct Entrant {
     pub method: Option<usize>,
 }
 
-/// Returns a method's title, after the target's name if there is one; `words` is `TITLE`, `SHORT` or `SENTENCE`.
+/// Returns a method's title, preceded by its target's name if the target has one. `words` selects the form of the
+/// title: `TITLE`, `SHORT` or `SENTENCE`.
 pub(super) fn titled(film: &Film, method: usize, words: usize) -> String {
     let title = METHODS[look_of_method(film.methods[method].kind)].2[words];
     let name = film.targets[film.method_targets[method]].name.as_ref();
@@ -97,7 +98,7 @@ const FILES: [Color; 14] = [
     [15, 105, 195],
 ];
 
-/// Lengths of dashes and gaps in screen pixels. Shorter ones are reserved for lost targets and runners-up.
+/// Lengths of dashes and gaps in screen pixels. Patterns of short dashes are reserved for lost targets and runners-up.
 const DASHES: [&[u8]; 5] = [&[], &[14, 5], &[12, 4, 2, 4], &[22, 4, 8, 4], &[12, 3, 2, 3, 2, 3]];
 
 /// Background of plots in the light and in the dark theme, as in base.css.

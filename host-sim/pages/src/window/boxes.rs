@@ -73,8 +73,9 @@ fn row(names: &[&str], line: &str, all: &mut Vec<Reading>) -> Result<()> {
     if has_none { Ok(()) } else { all[at].lock(frame, bbox.join(",").parse()?) }
 }
 
-/// Parses CSV. Rows with a box become locks, except trackers' answers, which have a confidence: as locks, they would
-/// end a user's correction after one frame. With a column `state`, a target is gone in frames without a row.
+/// Parses CSV. Rows with a box become locks, except *lost* rows and trackers' answers (rows with a confidence): as a
+/// lock, the next frame's answer would end a user's correction after one frame. With a column `state`, a target is gone
+/// in frames without a row for it.
 fn of_csv(text: &str) -> Result<Vec<Reading>> {
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
     let (number, head) = lines.next().context("it is empty: expected CSV or CVAT XML")?;
@@ -91,7 +92,8 @@ fn of_csv(text: &str) -> Result<Vec<Reading>> {
     Ok(all)
 }
 
-/// Parses CVAT XML for video: a key frame is a lock or, with `outside`, the target's end; trackers' boxes are skipped.
+/// Parses CVAT XML for video. A key frame is a lock or, with `outside`, the frame from which on the target is gone.
+/// Boxes between key frames and boxes from a tracker (`source="auto"`) are skipped.
 fn of_cvat(text: &str) -> Result<Vec<Reading>> {
     let mut all: Vec<Reading> = Vec::new();
     for (line, tag) in tags(text) {

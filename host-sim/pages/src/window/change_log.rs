@@ -1,4 +1,5 @@
-//! A log that numbers changes by position. A page polls with the last position it has seen, and gets later changes.
+//! A log in which each change has a position, a running number. A page polls with the last position that it has seen,
+//! and gets the later changes.
 
 use std::collections::VecDeque;
 
@@ -70,7 +71,7 @@ impl ChangeLog {
         self.made.push_back((at, id));
     }
 
-    /// True if the log contains all frame ranges that were discarded after `since`.
+    /// True if `since` is 0 (a new page), or if the log contains all frame ranges that were discarded after `since`.
     pub const fn remembers(&self, since: u64) -> bool {
         since == 0 || since >= self.forgotten
     }

@@ -185,7 +185,7 @@ impl State {
             .flat_map(move |(segment, end)| segment.answers(segment.places(from, end.min(to.saturating_add(1)))))
     }
 
-    /// Returns the rows that changed after log position `since`, as target, segment and row indices.
+    /// Returns the rows that changed after log position `since`: (target id, segment, index range in its `rows`).
     fn changed(&self, since: u64) -> impl Iterator<Item = (u32, &Segment, Range<usize>)> {
         self.plan().filter_map(move |(key, end)| {
             let segment = self.segments.get(&key)?;
@@ -195,7 +195,7 @@ impl State {
     }
 
     /// Assigns new log positions to answers in frame `part.from` and later, so that pages load them again. Answers
-    /// after `part.to` in the same segment are included, because positions ascend within a segment.
+    /// after `part.to` in the same segment get new ones too, as positions must ascend within a segment.
     fn renew_positions(&mut self, part: TargetSpan) {
         self.log.void(part);
         let Self { targets, segments, log, settings_index, .. } = self;
@@ -233,7 +233,7 @@ impl State {
                 ensure!(!twice, "{name} has two boxes in frame {frame}: expected one");
             }
             check_gone(name, target.locks.iter().map(|lock| (lock.frame, lock.bbox.is_some())))?;
-            // An existing segment has read its lock's frame already.
+            // A lock that has a segment already is not new: as a rule, its frame was read while it was still kept.
             let late = planned(target, self.settings_index)
                 .find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
             if let Some((Key { lock: (frame, _), .. }, _)) = late {
@@ -248,7 +248,8 @@ impl State {
         Ok(targets)
     }
 
-    /// Adds missing segments, retries those out of frames, and keeps only the [`SPARE`] last used of the unused ones.
+    /// Adds missing segments and lets segments that ran out of frames try again. Of the unused segments, keeps only
+    /// those used last, as [`SPARE`] and [`SPARE_ROWS`] allow.
     fn arrange(&mut self) {
         self.changes += 1;
         let plan: Vec<Key> = self.plan().map(|(key, _)| key).collect();

@@ -39,7 +39,7 @@ pub struct Session {
 
 struct SavedWork {
     work: Work,
-    /// The content of the file as this window last read or wrote it; `None` if it has done neither.
+    /// Content of the file as this window last read or wrote it; `None` before that, and after `leave_aside`.
     bytes: Option<Vec<u8>>,
     /// True if the user has been told that the file cannot be written.
     has_failed: bool,
@@ -62,7 +62,7 @@ impl Session {
         (kept.bytes, kept.work.frame) = (None, None);
     }
 
-    /// Returns the path of the file as it was typed; `None` if the work is not saved.
+    /// Returns the path of the session file as text; `None` if the work is not saved.
     pub fn name(&self) -> Option<String> {
         let path = self.path.as_ref().filter(|_| !lock(&self.kept).has_failed);
         path.map(|path| path.display().to_string())
@@ -72,7 +72,8 @@ impl Session {
         lock(&self.kept).work.frame
     }
 
-    /// Saves the number of the shown frame, if the file has this window's work. Returns a message for the user, if any.
+    /// Stores the number of the shown frame, and saves it if the file is still as this window last read or wrote it.
+    /// Returns a message for the user, if there is one.
     pub(super) fn shows(&self, frame: usize) -> Option<String> {
         let mut kept = lock(&self.kept);
         kept.work.frame = Some(frame);
@@ -124,7 +125,7 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
     Ok((bytes, work))
 }
 
-/// Writes the file. Content that another program has written there is first copied to `NAME~`, whose path is returned.
+/// Writes the file. First copies content other than `kept.bytes` to `NAME~`, and returns the path of the copy.
 fn replaced(path: &Path, kept: &mut SavedWork) -> Result<Option<PathBuf>> {
     let mut bytes = serde_json::to_vec_pretty(&kept.work)?;
     bytes.push(b'\n');

@@ -1,4 +1,5 @@
-//! Evidence of the target in a frame, its running mean, and the state by the mean. Evidence is rounded down to 1/65536.
+//! Evidence of the target in a frame, the running mean of the evidence, and the state that follows from the mean.
+//! Evidence and mean are multiples of 1/65536, rounded down.
 
 use super::Numbers;
 use super::gaussian::ONE;
@@ -11,8 +12,8 @@ pub enum Decision {
     Lost,
 }
 
-/// Evidence of a frame, 0 to 1.5 in units of 1/65536: the template's agreement plus the filter's response, clamped to 0
-/// to 1/2.
+/// Evidence of a frame, 0 to 1.5, returned in units of 1/65536: the template's agreement (0 to 1), plus the filter's
+/// response clamped to 0 to 1/2.
 pub fn evidence(agreement: f64, response: f64) -> f64 {
     agreement + 65536.0 * (response / ONE).clamp(0.0, 0.5)
 }

@@ -15,13 +15,14 @@ pub fn label_factor(numbers: &Numbers, shape: &Shape, cells: f64) -> f64 {
     gaussian((area * (256.0 * width / (of * to_f64(numbers.cell))).powi(2)).floor(), cells)
 }
 
-/// Factor of the learning window, `cells` from the middle of an axis. Standard deviation: `side` / 2 template pixels.
+/// Factor of the learning window on one axis, `cells` from the middle. The standard deviation is half the template's
+/// `side` on this axis, in template pixels.
 pub fn learning_window(numbers: &Numbers, side: i64, cells: f64) -> f64 {
     gaussian((256.0 * to_f64(side) / to_f64(2 * numbers.cell)).powi(2), cells)
 }
 
-/// Gaussian as exp(-x / 255), with x = 255 * distance^2 / (2 * variance); `variance` is in units of (1/256 cell)^2. The
-/// lower eight bits of x select a similarity exp(-d / 255), the higher bits a power of exp(-256 / 255).
+/// Gaussian exp(-x / 255) in units of 1/16384, with x = 255 * distance^2 / (2 * variance); `variance` is in units of
+/// (1/256 cell)^2. It is computed as exp(-(x mod 256) / 255) times exp(-256 / 255) for each full 256 in x (at most 16).
 fn gaussian(variance: f64, cells: f64) -> f64 {
     let factor = (255.0 * 16_777_216.0 / variance.max(1.0)).floor();
     let x = ((cells * 256.0).powi(2) * factor / 33_554_432.0).floor();

@@ -77,8 +77,8 @@ fn sums(numbers: &Numbers, picture: &Patch, column: i64, row: i64) -> Sums {
     sums
 }
 
-/// Splits a gradient g between its two neighbouring directions u and v: g = a u + b v, with a = (g x v) / (u x v) and
-/// with b = (u x g) / (u x v). Directions divided by u x v = sin 20 degrees are rounded to 1/256.
+/// Splits a gradient g between the two neighbouring directions u and v: g = a u + b v. Here a is (g x v) / (u x v), and
+/// b is (u x g) / (u x v). Since u x v = sin 20 degrees, u and v are first divided by this sine and rounded to 1/256.
 fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
     let step = PI / DIRECTIONS as f64;
     let cross = |number: usize| {
@@ -92,7 +92,8 @@ fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
     gradient[second % DIRECTIONS] += cross(second - 1).max(0.0);
 }
 
-/// Features of a cell: gradients normalised by the 3x3 cells around, rounded down, at most 127; then mean gray - 128.
+/// Features of a cell: its gradient sums, normalised by the mean energy of its 3x3 neighbourhood, at most 127; then its
+/// mean gray level - 128. All are rounded down.
 fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
     let norm = down(energy_around.sqrt(), 8.0) + numbers.norm_floor;
     // Factor from gradients, in quarters of a gray level, to feature bytes; rounded down to a multiple of 2^-16.

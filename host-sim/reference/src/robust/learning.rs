@@ -67,8 +67,9 @@ impl Filter {
         }
     }
 
-    /// Takes `part` of the best step, measured at offsets up to `reach` cells. Its direction is the gradient times the
-    /// learning window, plus the direction of the step `before` times (new descent / descent of `before`).
+    /// Changes the weights by `part` of the best step, whose curvature is measured at offsets up to `reach` cells from
+    /// the middle. The direction is the gradient times the learning window, plus the direction of the step `before`
+    /// times the factor (new descent / descent of `before`), at most `most_conjugate`.
     pub fn learn(
         &mut self,
         numbers: &Numbers,
@@ -119,9 +120,9 @@ pub struct Step {
     length: f64,
 }
 
-/// Step length of an exact line search, in units of 2^-44: descent / curvature. Curvature, in units of 2^18: the sum of
-/// squared `responses` without their lowest nine bits, scaled up from the measured to `all` offsets, plus
-/// `regularisation` times the sum of squared values of the direction.
+/// Step length of an exact line search, in units of 2^-44: descent / curvature. The curvature, in units of 2^18, has
+/// two terms: the sum of the squares of the measured `responses` (each without its lowest nine bits), scaled up to
+/// `all` offsets, plus `regularisation` times the sum of the squared values of the direction.
 fn best_length(numbers: &Numbers, direction: &ScaledIntegers, descent: f64, responses: &[f64], all: f64) -> f64 {
     let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
     let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();

@@ -1,4 +1,4 @@
-//! Lighting: adapts the template's brightness and contrast to those of the patch.
+//! Lighting: adaptation of the template's brightness and contrast to those of the patch.
 
 use super::Numbers;
 use super::gradients::Cells;
@@ -12,15 +12,16 @@ fn mean_and_deviation(patch: &Patch) -> (f64, f64) {
     (mean, patch.pixels.iter().map(|pixel| (pixel - mean).abs()).sum())
 }
 
-/// Threshold alpha of a comparison: the patch's mean absolute deviation, or the template's times `gain` if that is
-/// smaller, rounded down and clamped to `alpha_bounds`.
+/// Threshold alpha of a comparison, in gray levels: the smaller of the patch's mean absolute deviation and `gain` times
+/// the template's, rounded down and clamped to `alpha_bounds`.
 pub fn threshold(numbers: &Numbers, template: &Patch, seen: &Patch, gain: f64) -> f64 {
     let deviation = mean_and_deviation(seen).1.min((mean_and_deviation(template).1 * gain).floor());
     let (least, most) = numbers.alpha_bounds;
     (deviation / to_f64(seen.columns * seen.rows)).floor().clamp(least, most)
 }
 
-/// Contrast of a search window: the mean absolute deviation of its cells' gray levels, rounded down to 1/16.
+/// Contrast of a search window in gray levels: mean absolute deviation of its cells' gray levels, rounded down to 1/16,
+/// at least `least_window`.
 pub fn window_contrast(numbers: &Numbers, cells: &Cells) -> f64 {
     let count = to_f64(cells.across * cells.down);
     let mean = to_zero(cells.grays().sum::<f64>() / count, 1.0);

@@ -38,7 +38,8 @@ pub struct Step {
     /// Features of the search window, and the filter's response at each of its offsets.
     pub cells: Cells,
     pub responses: Vec<f64>,
-    /// Largest filter response of the window that the answer comes from.
+    /// Largest filter response, after the distance penalty, in the window that gave the box: the sweep's window if the
+    /// target was found there, else the usual search window.
     pub response: f64,
     pub ratio: f64,
     pub decision: Decision,
@@ -167,8 +168,9 @@ impl Reference {
         all.into_iter().reduce(union).expect("there is a window")
     }
 
-    /// Bounds (left, top, right, bottom) of the frame pixels that the next update also reads if it redetects the
-    /// target; `None` without a sweep, or if the target is not given up and would not be lost even without evidence.
+    /// Bounds (left, top, right, bottom) of the frame pixels that the next update also reads if it searches the sweep's
+    /// windows. `None` without a sweep, or if the target is not given up and even evidence 0 in the next frame would
+    /// not make it lost.
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { sweep, reach, .. } = self.numbers;
         let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
@@ -329,7 +331,8 @@ impl Reference {
         down(scale, SCALE).clamp(down(1.0 / most, SCALE), most)
     }
 
-    /// Scale with the highest response: the current one, the next smaller or the next larger one.
+    /// Scale with the highest interpolated response: the current scale, the next smaller or the next larger one.
+    /// Responses at the other two scales count `scale_gain` / 256.
     fn best_scale(&self, frame: &Picture<'_>, weights: &ScaledIntegers, candidate: &Candidate) -> f64 {
         let Numbers { scale_gain, scale_reach, .. } = self.numbers;
         let (mut highest, mut best) = (f64::NEG_INFINITY, candidate.place.scale);

@@ -27,11 +27,12 @@ pub struct Numbers {
     pub label_width: (f64, f64),
     /// Ridge penalty: factor of the squared filter weights in the error.
     pub regularisation: f64,
-    /// Largest absolute values. First: integer weights and gradients. Second: integer errors. Third: unscaled errors.
+    /// Largest absolute values: of weights and gradients as scaled integers; of errors as scaled integers; of errors
+    /// before scaling, in units of 1/16384.
     pub most_scaled: f64,
     pub most_scaled_error: f64,
     pub most_error: f64,
-    /// Step length of an update, as a fraction of the exact line search.
+    /// Step length of an update, as a fraction of the step length of the exact line search.
     pub update_step: f64,
     /// Gradient steps at the lock. An update takes one.
     pub first_steps: usize,
@@ -86,14 +87,14 @@ pub struct Numbers {
     pub most_lead: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
-    /// The network's opinion of the box, a running mean of its trust: largest trust; weight of a frame; weight of a
-    /// frame while a bad opinion rises; opinions below which the target is lost or uncertain.
+    /// Opinion: running mean of the network's trust in the box. Largest trust; weight of a frame; weight of a frame
+    /// that raises a bad opinion; opinions below which the target is lost or uncertain.
     pub most_trust: f64,
     pub opinion_rate: f64,
     pub opinion_rising_rate: f64,
     pub opinion_lost_below: f64,
     pub opinion_uncertain_below: f64,
-    /// Frames in a row with a bad opinion after which the target is given up; opinion after the target is found again.
+    /// Number of consecutive frames with a bad opinion after which the target is given up; opinion after a redetection.
     pub opinion_patience: i64,
     pub opinion_found: f64,
     /// Minimum evidence (template agreement plus filter response) for learning from a frame.

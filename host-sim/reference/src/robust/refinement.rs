@@ -43,8 +43,9 @@ pub struct Step {
     pub growth: f64,
 }
 
-/// Gauss-Newton step from the early template to the patch: minimises the squares of error + slope * (x, y) + outward *
-/// growth, where `outward` is the slope away from the middle. Slopes are those of the mean of template and patch.
+/// Gauss-Newton step from the early template to the patch: minimises the sum of squares of error + slope * (x, y) +
+/// outward * growth. Here `error` is the patch less the adapted template, clamped to +-alpha; `slope` is the slope of
+/// their mean; `outward` is the dot product of slope and offset from the middle.
 pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch, gain: f64) -> Step {
     let (lit, alpha) = (relit(early, seen, gain), threshold(numbers, early, seen, gain));
     let mut sums = [[0.0; 4]; 3];

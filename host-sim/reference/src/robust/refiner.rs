@@ -15,7 +15,8 @@ const MEAN: f64 = 64.0;
 /// Resolution of the network's outputs: 1/4096.
 const ESTIMATE: f64 = 4096.0;
 
-/// Layers: output side and stride (only of convolutions), input channels, output channels, divisor of the sums.
+/// Layers: number of inputs (or input channels), number of outputs (or output channels), divisor of the sums. For a
+/// convolution, its output side and stride come first.
 const CONVOLUTIONS: [(i64, i64, i64, i64, f64); 4] =
     [(16, 2, 2, 8, 64.0), (8, 2, 8, 16, 128.0), (8, 1, 16, 24, 128.0), (4, 2, 24, 24, 128.0)];
 const FULLY_CONNECTED: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 6, 1.0)];
@@ -59,7 +60,8 @@ fn activation(sum: f64, divisor: f64) -> f64 {
     (sum / divisor).floor().clamp(0.0, 127.0)
 }
 
-/// Estimates: move right and down, growth of width and height, logs of the expected errors of position and size.
+/// Returns the network's estimates: shift of the centre to the right and down, in sides of the box; logarithms of the
+/// factors of width and height; logarithms of the expected errors of position and size, in units of e^-1.5 sides.
 fn network(weights: &[u8], first: &[f64], present: &[f64]) -> Vec<f64> {
     let mut bytes = Bytes(weights);
     let both = first.iter().zip(present).flat_map(|(&first, &present)| [first, present]).collect();
@@ -98,7 +100,8 @@ fn lattice([x, y, width, height]: [f64; 4]) -> Lattice {
     Lattice { x: middle(x, width), y: middle(y, height), step, step_down, columns: SIDE, rows: SIDE }
 }
 
-/// Samples the crop of a box, normalised to mean 64 and standard deviation 16, or a lower deviation if contrast is low.
+/// Samples the crop of a box, normalised to mean 64 and standard deviation 16 s / (s + 4), where s is the standard
+/// deviation of the crop in gray levels.
 fn crop(numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) -> Vec<f64> {
     let pixels = lattice(target).sample(numbers, frame).pixels;
     let mean = nearest(pixels.iter().sum::<f64>() / to_f64(SIDE * SIDE), 1.0);
@@ -113,9 +116,9 @@ pub struct Refiner {
     first: Vec<f64>,
     centre: [f64; 2],
     sides: [f64; 2],
-    /// Running mean of the trust, which is high if the network expects small errors.
+    /// Running mean of the trust in the box. A frame's trust is high if the network expects small errors.
     opinion: f64,
-    /// Count of frames in a row with a bad opinion, up to now.
+    /// Count of frames in a row, up to now, with an opinion below `opinion_uncertain_below`.
     doubted_frames: i64,
 }
 
@@ -135,8 +138,9 @@ impl Refiner {
         [x, y, width, height]
     }
 
-    /// Compares the corrected box with the first crop and updates the opinion. If the frame was learned, adds a quarter
-    /// of the network's estimate to the correction, then reduces the correction by a sixteenth.
+    /// Compares the crop of the corrected box with the first crop and updates the opinion. Only if the frame was
+    /// learned, also adds a quarter of the network's estimates to the correction and then reduces the correction by a
+    /// sixteenth.
     pub fn update(&mut self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4], learned: bool) {
         let present = crop(numbers, frame, self.correct(target));
         let estimates = network(self.weights, &self.first, &present);
@@ -170,7 +174,7 @@ impl Refiner {
         (self.opinion, self.doubted_frames) = (numbers.opinion_found, 0);
     }
 
-    /// Best state that the opinion allows.
+    /// Decision by the opinion alone: the best state that the tracker may report.
     pub fn decision(&self, numbers: &Numbers) -> Decision {
         decided(self.opinion, numbers.opinion_lost_below, numbers.opinion_uncertain_below)
     }
@@ -182,7 +186,8 @@ impl Refiner {
         self.sides = self.sides.map(|side| 1.0 + down((side - 1.0) * 0.75, SCALE));
     }
 
-    /// Bounds (left, top, right, bottom) of the frame pixels that a crop may read after a move of up to `by` pixels.
+    /// Bounds (left, top, right, bottom) of the frame pixels that a crop may read if `target` moves by up to `by`
+    /// pixels.
     pub fn region(&self, target: [f64; 4], by: f64, frame_size: (i64, i64)) -> [i64; 4] {
         let Lattice { x, y, step, step_down, .. } = lattice(self.correct(target));
         let blocks = step + step_down + 2.0;

@@ -12,8 +12,8 @@ pub fn responses(shape: &Shape, weights: &ScaledIntegers, cells: &Cells, reach: 
     (0..span).flat_map(|y| (0..span).map(move |x| weights.response(shape, cells, x, y))).collect()
 }
 
-/// Reduces positive responses by a penalty that grows with the squared distance from the middle, up to
-/// `distance_penalty` / 256 at the edge of the search. Penalty and result are rounded down.
+/// Reduces positive responses by a fraction that grows with the squared distance from the middle, up to
+/// `distance_penalty` / 256 at `reach` cells and beyond. Fraction (in 256ths) and result are rounded down.
 pub fn penalised(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
     let (reach, span) = (numbers.reach, 2 * numbers.reach + 1);
     let away = |at: i64| (at % span - reach).pow(2) + (at / span - reach).pow(2);
@@ -31,7 +31,7 @@ pub struct Peak {
     pub x: f64,
     pub y: f64,
     pub response: f64,
-    /// Interpolated response at the top of both parabolas.
+    /// Largest response plus the height of each axis's parabola above it.
     pub height: f64,
 }
 

@@ -8,7 +8,7 @@ pub const SCALE: f64 = 65536.0;
 /// Resolution of interpolation weights, mean gray levels, fractions of a cell, and answered boxes: 1/256.
 pub const FINE: f64 = 256.0;
 
-/// Resolution of the lighting (the template's gain / the search window's contrast in gray levels): 1/16384.
+/// Resolution of the lighting (the template's gain divided by the search window's contrast in gray levels): 1/16384.
 pub const LIGHT: f64 = 16384.0;
 
 /// Resolution of the Gauss-Newton move: 1/64 template pixel.
@@ -35,7 +35,8 @@ pub fn quotient(number: f64, by: f64) -> f64 {
     (number as i128).div_euclid(by as i128) as f64
 }
 
-/// Smallest power of two `d` with floor(`largest` / d) + 1 <= `most`, so that rounded quotients are at most `most`.
+/// Smallest power of two `d` with floor(`largest` / d) + 1 <= `most`: numbers up to `largest`, divided by `d` and
+/// rounded, are at most `most`.
 pub fn divisor(largest: f64, most: f64) -> f64 {
     let mut divisor = 1.0;
     while (largest / divisor).floor() + 1.0 > most {

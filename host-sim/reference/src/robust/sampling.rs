@@ -42,8 +42,9 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Shape for a box of `width` x `height` frame pixels, with step = sqrt(area / pixels). Sides are rounded, the
-    /// template's to even numbers; the longer one is shortened until the area is small enough.
+    /// Shape for a box of `width` x `height` frame pixels; `step` is sqrt(area of the box / `pixels`), at least
+    /// `least_step`. The sides of filter and template are rounded, the template's to even numbers. The longer side of
+    /// each is shortened until the filter has at most `most_cells` cells and the template at most `pixels` pixels.
     pub fn new(numbers: &Numbers, width: i64, height: i64) -> Self {
         let area = to_f64(width * height);
         let step = down((area / to_f64(numbers.pixels)).sqrt(), POSITION).max(numbers.least_step);
@@ -122,7 +123,8 @@ impl Lattice {
         [left, top, right, bottom]
     }
 
-    /// Blocks of pixels averaged before interpolation: the side doubles from 1 until two sides exceed the mean step.
+    /// Block to average before interpolation: its side doubles from 1 pixel until twice the side exceeds the mean of
+    /// `step` and `step_down`.
     fn block(&self, numbers: &Numbers) -> Block {
         let mut side = 1;
         while (self.step + self.step_down) / 2.0 / to_f64(side) >= 2.0 {
@@ -139,7 +141,7 @@ struct Block {
 }
 
 impl Block {
-    /// Divides each axis into `parts` equal parts and reads the middle pixel of each part (the second one of two).
+    /// Divides each axis into `parts` equal parts and reads each part's middle pixel (the second of two middle pixels).
     fn new(side: i64, parts: i64) -> Self {
         let middle = |part: i64| to_i64((to_f64(side) * (to_f64(part) + 0.5) / to_f64(parts)).floor());
         Self { side, read: (0..parts).map(middle).collect() }
@@ -165,7 +167,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// Sample positions on one axis, in blocks. Beyond the frame the first and the last whole block are repeated.
+/// Interpolations for `count` sample positions on one axis. Beyond the outermost whole blocks these are repeated.
 fn between(centre: f64, step: f64, count: i64, block: &Block, size: i64) -> Vec<Interpolation> {
     let first_pixel = centre - down(to_f64(count - 1) * step / 2.0, POSITION);
     let side = to_f64(block.side);

@@ -56,8 +56,9 @@ pub fn whole_box([x, y, width, height]: [f64; 4]) -> [i64; 4] {
     [edge(x), edge(y), side(x, width), side(y, height)]
 }
 
-/// Centres of the next windows for finding a lost target: up to `numbers.sweep`, from window `number` to the end of its
-/// row. The windows divide the frame into equal tiles, each no larger than a search of `reach` cells covers.
+/// Centres of the next search windows in the sweep for a lost target: at most `numbers.sweep` windows, from number
+/// `number` on, all in one row. The frame is divided into equal tiles, one per window; a tile's sides are at most the
+/// span of a search, twice `reach` cells.
 pub fn sweep(numbers: &Numbers, shape: &Shape, frame: (i64, i64), scale: f64, number: i64) -> Vec<Place> {
     let covered = to_f64(2 * numbers.reach * numbers.cell) * shape.step_at(scale);
     let count = |size: i64| to_i64((to_f64(size) / covered).ceil());

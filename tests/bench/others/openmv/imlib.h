@@ -24,7 +24,7 @@ typedef struct image {
     uint8_t *data;
 } image_t;
 
-/* Sums of all pixels above and to the left, with a row and a column of zeros. */
+/* Sums of the pixels, or of their squares, above and left of each position; the first row and column are zeros. */
 typedef struct integral_image {
     int w;
     uint32_t *sums;

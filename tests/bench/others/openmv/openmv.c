@@ -1,6 +1,6 @@
 /*
- * OpenMV's find_template in the window: OpenMV's template.c, linked with this file. With DIAMOND it searches as
- * image.SEARCH_DS, which begins in the middle of the window; otherwise as image.SEARCH_EX.
+ * Search of the window by OpenMV's find_template, from OpenMV's template.c, which is linked with this file. If DIAMOND
+ * is 1, it is the search of image.SEARCH_DS, which begins in the middle of the window; if 0, that of image.SEARCH_EX.
  */
 
 #include "imlib.h"
