@@ -13,7 +13,7 @@ pub fn skipped(test: &str, why: impl Display) {
     let _ = std::io::stderr().write_all(std::format!("skipped: {test}: {why}\n").as_bytes());
 }
 
-/// Returns true if `program` runs with `arguments`, which ask its version. Otherwise prints that the test is skipped.
+/// Returns true if `program` with `arguments` ends without an error. Otherwise prints that the test is skipped.
 pub fn has(test: &str, program: &str, arguments: &[&str]) -> bool {
     let runs = runs(Command::new(program).args(arguments));
     if !runs {
@@ -31,7 +31,7 @@ pub fn has_ffmpeg(test: &str) -> bool {
     has(test, "ffmpeg", &["-version"])
 }
 
-/// Returns true if `cc` compiles C: some can only link. Otherwise prints that the test is skipped.
+/// Returns true if `cc` compiles C; on some systems it can only link. Otherwise prints that the test is skipped.
 pub fn has_c_compiler(test: &str) -> bool {
     has(test, "cc", &["-fsyntax-only", "-x", "c", "/dev/null"])
 }

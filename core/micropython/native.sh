@@ -4,8 +4,7 @@
 # ARCH is MicroPython's name of the processor: armv6m, armv7emsp, rv32imc or x64 (Linux). MICROPYTHON is the folder of MicroPython's source, FILE
 # the output. --refiner builds the module with the refiner.
 #
-# Needs gcc and binutils for the processor, a Python with pyelftools (PYTHON [default: python3]), and except for x64 the tools of
-# .ci/target-cargo.
+# Needs gcc and binutils for the processor, a Python with pyelftools (PYTHON [default: python3]), and except for x64 the tools of .ci/target-cargo.
 set -euo pipefail
 
 usage() { echo "usage: core/micropython/native.sh [--refiner] armv6m|armv7emsp|rv32imc|x64 MICROPYTHON FILE" >&2; exit 2; }

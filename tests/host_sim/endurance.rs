@@ -1,4 +1,5 @@
-//! Long runs and sudden ends: memory stays bounded, and output before a full disk, closed pipe or kill is complete.
+//! Long runs and sudden ends: memory stays bounded; at a full disk, a closed pipe or a kill, printed lines are whole
+//! and former files stay.
 
 use crate::missing::{has, has_ffmpeg, skipped};
 use crate::program::{PROGRAM, host_sim, kill, utf8};
@@ -294,7 +295,7 @@ fn a_hangup_that_is_ignored_stays_so() {
 fn a_measurement_that_is_stopped_prints_what_it_has() {
     let methods = ["--method", "sad,robust", "--set", "window=4x4", "--starts", "every:4", "--format", "csv"];
     let arguments = [&["eval", "synthetic", "--frames", "..80", "--robustness"], &methods[..]].concat();
-    // Lengthens the pause until the signal comes between the end of the first tracker and that of the second.
+    // Lengthens the pause until the signal comes after the first tracker has ended and before the second has.
     let mut pause = Duration::from_millis(100);
     loop {
         let stopped = command(&arguments).spawn().expect("host-sim runs");

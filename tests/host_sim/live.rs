@@ -32,7 +32,7 @@ impl Drop for Server {
     }
 }
 
-/// Repeats `run` until the server accepts connections, and returns the result.
+/// Repeats `run` until it returns a value; `None` means that the server does not accept connections yet.
 fn when_it_listens<T>(mut run: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {

@@ -21,7 +21,7 @@ pub fn host_sim(arguments: &[&str]) -> Said {
 }
 
 impl Said {
-    /// Checks that bad input ends with exit code 2 and one line that contains all of `words`.
+    /// Checks that host-sim refused its input: exit code 2, and one line on stderr that contains all of `words`.
     #[track_caller]
     pub fn refuses(&self, words: &[&str]) {
         assert_eq!(self.code, Some(2), "{}", self.err);
@@ -42,7 +42,8 @@ pub fn utf8(path: &Path) -> &str {
     path.to_str().expect("test paths are UTF-8")
 }
 
-/// Sends a signal by the shell's `kill`, because some systems have no program. Returns `false` if the process is gone.
+/// Sends a signal by the shell's built-in `kill`, because some systems have no program `kill`. Returns `false` if the
+/// process is gone.
 #[cfg(unix)]
 pub fn kill(signal: &str, process: &str) -> bool {
     runs(Command::new("sh").args(["-c", "kill \"$0\" \"$1\"", signal, process]))

@@ -1,5 +1,5 @@
-//! Runs each command of the READMEs that calls host-sim (blocks ```sh) in a folder with the files that the READMEs
-//! name: `clip.mp4`, `video.mp4`, `sequences`, a flight record. `NOT_RUN` lists the exceptions with their reasons.
+//! Runs each host-sim command in the ```sh blocks of the READMEs, in a folder with the files that the READMEs name:
+//! `clip.mp4`, `video.mp4`, `sequences`, a flight record. `NOT_RUN` lists the exceptions with their reasons.
 
 use crate::missing::{has_ffmpeg, runs, skipped};
 use crate::program::{PROGRAM, host_sim, utf8};
@@ -102,7 +102,7 @@ fn the_commands_of_the_readmes_run_as_they_stand() {
         ("host-sim/README.md", include_str!("../../host-sim/README.md")),
         ("core/examples/README.md", include_str!("../../core/examples/README.md")),
     ];
-    // Runs a line once if two READMEs have it. `tests/cases/report.md` runs host-sim without arguments.
+    // Skips lines that have run already, and host-sim without arguments, which `tests/cases/report.md` runs.
     let mut done = HashSet::from([vec![]]);
     for (readme, line) in
         readmes.iter().flat_map(|(name, text)| commands(text).into_iter().map(move |line| (name, line)))

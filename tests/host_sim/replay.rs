@@ -19,7 +19,7 @@ static STEEP: Table = match Table::new(100) {
     Err(_) => panic!("100 is in range"),
 };
 
-/// Every value differs from the preset's value, so a record that lacks a value gives other answers.
+/// The values set here differ from the preset's, so a record that lacks one of them gives other answers.
 fn small_paper() -> paper::Config {
     let mut config = paper::Config::camera();
     config.table = &STEEP;
@@ -56,7 +56,7 @@ fn asked_for<'a, T: Recorded>(frame: Frame<'a>, tracker: &Tracker<T>) -> Frame<'
     least.and_part(image, x, y).expect("inside the frame")
 }
 
-/// Records a flight over the built-in recording with every kind of entry. Returns the record and the answers.
+/// Tracks the built-in recording into a flight record with every kind of entry. Returns the record and the answers.
 fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer>) {
     let mut bytes = Vec::new();
     let mut tracker = Box::new(Tracker::<T>::with(config).expect("a good configuration"));
@@ -141,7 +141,8 @@ fn a_flight_is_replayed_bit_for_bit() {
         let count = |state| answers.iter().filter(|answer| answer.state == state).count() as u64;
         assert_eq!(flight.states, State::ALL.map(count));
         assert!(flight.states[3] > 0, "{kind:?}: the flight has a lost target: {:?}", flight.states);
-        // Sizes by the documentation: a lock is 36 bytes plus its pixels, a frame 82 bytes plus its pixels.
+        // Bytes of entries, by the documentation: begin 584 or 558; lock 36, window with answer 82, window without
+        // answer 36, each plus its pixels; moved 24.
         let begin = if kind == CoreKind::Smr { 584 } else { 558 };
         let saved =
             entries(&bytes).windows(2).find(|pair| pair[0].1 == *b"SMRS").map_or(0, |pair| pair[1].0 - pair[0].0);

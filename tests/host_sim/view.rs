@@ -397,7 +397,7 @@ fn the_end_of_a_read_is_not_the_end_of_the_file() {
     fs::write(&file, frames(40)).unwrap();
     assert_eq!(window.post("targets", &corrected(30)).0, 200);
     assert_eq!(window.followed()["followed"], 40);
-    // The file has grown: targets that waited for frames continue without a request.
+    // The file has grown: targets that waited for frames continue without another `targets` request.
     fs::write(&file, frames(60)).unwrap();
     let grown = window.wait("more frames", |news| news["progress"].is_null() && news["followed"] == 60);
     assert_eq!((window.json("source")["frames"].clone(), window.get("frames/60.jpg").0), (json!(60), 200), "{grown}");
@@ -405,7 +405,7 @@ fn the_end_of_a_read_is_not_the_end_of_the_file() {
     assert_eq!(window.text("boxes?format=csv"), host_sim(&[&["track", utf8(&file)], &inits[..]].concat()).out);
 }
 
-/// The window follows the frames that exist, and the command that it shows gives the same answers.
+/// The window follows a target up to the damage, and the command that it shows gives the same answers.
 #[test]
 fn what_is_shown_for_a_damaged_recording_repeats_it() {
     let folder = tempfile::tempdir().unwrap();

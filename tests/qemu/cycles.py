@@ -18,9 +18,10 @@ from collections import Counter
 # Costs are counted in 1/PARTS cycle: llvm-mca simulates PARTS iterations of each block.
 PARTS = 50
 MODELLED = True
-# For each processor: name; True if LLVM has a model; cycles of a taken branch (1 + P on the M4 by Arm's manual, P is 1
-# to 3); 1/PARTS cycles of each word after the first of a load or store; cycles of a division (2 to 12); cycles of a
-# post-increment load right after one that increments the same register; chips, with clocks in MHz.
+# For each processor: name; True if LLVM has a model; four costs to add: cycles of a taken branch (it takes 1 + P on the
+# M4 by Arm's manual, P is 1 to 3), 1/PARTS cycles of each word after the first that an instruction loads or stores,
+# cycles of a division (it takes 2 to 12), cycles of a post-increment load right after one that increments the same
+# register; chips, with clocks in MHz.
 PROCESSORS = {
     "mps2-an385": [("cortex-m0plus", not MODELLED, 1, 0, 0, 0, {"RP2040": 133})],
     "mps2-an386": [
@@ -133,7 +134,7 @@ def model(name, codes):
             lines = [re.sub(r" 0x\S*$", " #4", text) for text in code if not is_loop_end(text)]
             file.write("\n".join([f"# LLVM-MCA-BEGIN {number}", *lines, "# LLVM-MCA-END\n"]))
         file.flush()
-        # `implicit-it` inserts missing IT instructions: a block's own one may be in another block of the trace.
+        # `implicit-it` inserts missing IT instructions: a block's instructions may have theirs in another block.
         options = ["-mtriple=thumb-none-eabihf", f"-mcpu={name}", "-arm-implicit-it=always", "-call-latency=1", f"-iterations={PARTS}"]
         options += ["-skip-unsupported-instructions=any", "-all-views=false", "-summary-view", "-json"]
         regions = json.loads(llvm("llvm-mca", *options, file.name))["CodeRegions"]

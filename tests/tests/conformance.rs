@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 type Paper = smr_core::Paper<128, 121>;
 
-/// exp(-d / 40): the similarity table of `scale.smr`.
+/// Similarity table of `scale.smr`: exp(-d / 40) for two pixels that differ by d gray levels.
 static STEEP: Table = match Table::new(40) {
     Ok(table) => table,
     Err(_) => panic!("40 is in range"),
@@ -105,7 +105,7 @@ fn replays<T: Recorded>(
     assert_eq!(replayed, Replayed { flights, locks: flights, answers }, "{name}");
 }
 
-/// Compares boxes, states, scores and saved targets, with the fastest backend and whole frames.
+/// Runs the fastest backend on whole frames. Compares boxes, states, scores and saved targets with the vectors.
 #[test]
 fn smr_core_answers_as_the_vectors_say() {
     fn is<T: Recorded>(file: (&str, u32, u32), rest: T::Config) {

@@ -1,5 +1,5 @@
 //! Checks that the commands in `core/EVIDENCE.md` and in other documents for maintainers can be run. The packages, test
-//! programs, features, tests and scripts in them must exist, and host-sim must accept its options.
+//! programs, features, tests and scripts that they name must exist, and host-sim must accept the options given to it.
 
 use clap::CommandFactory;
 use clap::error::ErrorKind;

@@ -198,7 +198,7 @@ enum smr_status
    */
   SMR_ERROR_STRIDE_TOO_SMALL = 13,
   /**
-   * `size` ends before the last pixel of the last row.
+   * `size` is less than (height - 1) * stride + width bytes.
    */
   SMR_ERROR_FRAME_TOO_SHORT = 14,
   /**
@@ -206,7 +206,7 @@ enum smr_status
    */
   SMR_ERROR_MEMORY_TOO_LARGE = 15,
   /**
-   * The pixels or the bytes lie in the tracker's own storage or workspace.
+   * A call's pixels or bytes overlap the tracker's storage or workspace, or a line overlaps its readout's pixels.
    */
   SMR_ERROR_OVERLAPS_TRACKER = 16,
   /**
@@ -655,12 +655,14 @@ typedef struct smr_robust_config {
  */
 typedef struct smr_config {
   /**
-   * Points to the chosen tracker's code; do not change it. A program links only trackers whose presets it calls.
+   * Points to the chosen tracker's code; do not change it. A program contains the code of a tracker only if it calls
+   * one of the functions smr_config_... for that tracker.
    */
   const struct smr_method *method;
   /**
-   * 0: the fastest code for the processor. Otherwise: a plain loop over single bytes, with the same answers, for
-   * frames in Device memory (external RAM that the MPU has not made Normal), where unaligned word loads fault.
+   * 0: the tracker uses the fastest code for the processor. Otherwise: it uses plain loops that load single bytes,
+   * and gives the same answers. This is for frames in Device memory (external RAM that the MPU has not made Normal),
+   * where unaligned word loads fault.
    */
   uint8_t plain_loop;
   /**
@@ -690,11 +692,11 @@ typedef struct smr_setting {
    */
   uint8_t count;
   /**
-   * The lowest value; a denominator is also at least 1.
+   * The lowest value that the setting may have; a denominator must also be at least 1.
    */
   uint16_t lowest;
   /**
-   * The highest value.
+   * The highest value that the setting may have.
    */
   uint16_t highest;
   /**
@@ -811,7 +813,8 @@ typedef struct smr_answer {
    */
   struct smr_rect bbox;
   /**
-   * The target's box in units of 1/256 pixel; whole pixels from the paper's tracker.
+   * The target's box in units of 1/256 pixel. The paper's tracker returns only multiples of 256, that is, whole
+   * pixels.
    */
   struct smr_fine_rect fine;
   /**
@@ -823,17 +826,19 @@ typedef struct smr_answer {
    */
   uint32_t scale;
   /**
-   * The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running mean of
-   * 2/3 agreement with the early template and 1/3 filter response.
+   * The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: 2/3 of a running
+   * mean of each frame's evidence, which is the agreement with the early template (0 to 1) plus the filter response
+   * (clamped to 0 to 1/2).
    */
   uint16_t confidence;
   /**
    * The similarity of the box to the template. The paper's tracker: the similarity matching ratio, rounded down. The
-   * robust tracker: the fourth lowest ratio of the early template's 16 tiles.
+   * robust tracker: the fourth lowest of the similarity matching ratios of the early template's 16 tiles.
    */
   uint16_t ratio;
   /**
-   * The ratio of the runner-up, which is the best match away from the peak; 0 if there is no runner-up.
+   * The ratio of the runner-up, which is the best match outside the neighbourhood of the best match (see
+   * `neighbourhood` in #smr_paper_config); 0 if there is no runner-up.
    */
   uint16_t runner_up_ratio;
   /**
@@ -842,7 +847,8 @@ typedef struct smr_answer {
    */
   uint16_t alpha;
   /**
-   * 1 if the tracker searched for the runner-up. 0 if no decision needed it (see `runner_up_always` in
+   * 1 if the tracker searched for the runner-up; 0 if no decision needed the runner-up (see `runner_up_always` in
+   * #smr_paper_config). Always 0 from the robust tracker.
    * #smr_paper_config), and always from the robust tracker.
    */
   uint8_t has_runner_up;
@@ -913,7 +919,7 @@ typedef struct smr_readout {
    */
   uint8_t *pixels;
   /**
-   * Bytes at `pixels`.
+   * Size of the memory at `pixels`, in bytes.
    */
   size_t size;
 } smr_readout;
@@ -923,7 +929,8 @@ typedef struct smr_readout {
  */
 typedef struct smr_recorder {
   /**
-   * Stores bytes in flash, a file or elsewhere: at most a row of pixels or 64 bytes per call. Returns 0 on success.
+   * Stores bytes in flash, a file or elsewhere. A call passes one row of pixels, one saved target or at most 64
+   * bytes. Returns 0 on success.
    */
   int (*write)(void *context, const uint8_t *bytes, size_t size);
   /**
@@ -981,7 +988,7 @@ typedef struct smr_entry {
    */
   const uint8_t *saved;
   /**
-   * Bytes of the saved target.
+   * Size of the saved target in bytes.
    */
   size_t saved_size;
   /**
@@ -1052,7 +1059,7 @@ const char *smr_status_name(int32_t status);
 const char *smr_version(void);
 
 /**
- * Fills a configuration of the paper's tracker with values for cameras: they limit its time and memory.
+ * Fills a configuration of the paper's tracker with values for cameras. They limit the tracker's time and memory.
  *
  * Unlike with #smr_config_paper, the window of a lost target grows by at most 20 pixels on each side, and all windows
  * fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the
@@ -1125,7 +1132,8 @@ smr_status smr_setting_at(const struct smr_config *config,
                           struct smr_setting *setting);
 
 /**
- * Bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE when the library was built.
+ * Bytes of a tracker's storage: the value that #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE had when the library
+ * was built.
  *
  * @param config  Filled by one of the calls smr_config_...
  * @return        Bytes; 0 if `config` is NULL or not filled. Can differ from the macro: see #SMR_PIXELS.
@@ -1133,7 +1141,8 @@ smr_status smr_setting_at(const struct smr_config *config,
 size_t smr_target_size(const struct smr_config *config);
 
 /**
- * Bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE when the library was built.
+ * Bytes of a tracker's workspace: the value that #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE had when the
+ * library was built.
  *
  * @param config  Filled by one of the calls smr_config_...
  * @return        As #smr_target_size.
@@ -1166,7 +1175,7 @@ smr_status smr_init(void *storage,
                     struct smr_tracker **tracker);
 
 /**
- * The window of a frame that #smr_lock reads for a box. Firmware need not read out other pixels.
+ * Computes the window in a frame that #smr_lock reads for a given box. Firmware need not read out other pixels.
  *
  * @param tracker  Made by #smr_init.
  * @param width    Width of the frame in pixels.
@@ -1200,9 +1209,10 @@ smr_status smr_lock(struct smr_tracker *tracker,
                     const struct smr_rect *bbox);
 
 /**
- * Does one step of a lock, of bounded work, for programs with a deadline. Begins a lock, or continues it if `bbox` and
- * the frame's size are unchanged. Call it while it returns #SMR_UNDER_WAY; the tracker has no target before the last
- * step. A lock takes at most 11.2 million units of work (see #smr_update_step). The paper's tracker locks in one step.
+ * Does one bounded step of a lock, for programs with a deadline. Begins a lock, or continues the one under way if
+ * `bbox` and the frame's size are unchanged. Call it again while it returns #SMR_UNDER_WAY; the tracker has no target
+ * before the last step. A lock takes at most 11.2 million units of work (see #smr_update_step). The paper's tracker
+ * locks in one step.
  *
  * @param tracker  Made by #smr_init.
  * @param frame    As for #smr_lock. Its pixels are the same in every step.
@@ -1234,9 +1244,9 @@ smr_status smr_update(struct smr_tracker *tracker,
                       struct smr_answer *answer);
 
 /**
- * Does one step of an update, of bounded work, for programs with a deadline. Begins an update, or continues the one
- * under way. Call it while it returns #SMR_UNDER_WAY. The answer equals that of #smr_update, however small the steps.
- * The update is cancelled by other calls that may change the tracker, and by other trackers that use its workspace.
+ * Does one bounded step of an update, for programs with a deadline. Begins an update, or continues the one under way.
+ * Call it again while it returns #SMR_UNDER_WAY. The answer equals that of #smr_update, however small the steps. Any
+ * other call that may change the tracker cancels the update; so does another tracker that uses the same workspace.
  *
  * The unit of work depends on the tracker:
  * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
@@ -1268,8 +1278,8 @@ smr_status smr_windows(const struct smr_tracker *tracker,
 
 /**
  * Reports a turn of the camera since the last frame: what was at (x, y) is expected at (x + right, y + down). Moves
- * the box and the search window, but keeps the box in or near the frame. Cancels an update under way. The paper's
- * tracker rounds to whole pixels. Before the first lock the call does nothing.
+ * the box and the search window by this motion, but keeps the box in or near the frame. The paper's tracker rounds the
+ * motion to whole pixels. Cancels a lock or an update under way. Without a target, nothing moves.
  *
  * @param tracker  Made by #smr_init.
  * @param right    Motion to the right in units of 1/256 pixel.
@@ -1281,8 +1291,8 @@ smr_status smr_moved(struct smr_tracker *tracker,
                      int32_t down);
 
 /**
- * Distinctness of the target from its surroundings at the lock. A flat target, an edge or a single pixel looks the
- * same when shifted: the tracker follows it, but may slip along it without noticing.
+ * Quality of the target at the lock: its difference from shifted copies of itself. It is 0 for a flat target, an edge
+ * along an axis or a single pixel: the tracker follows such a target, but may slip along it without noticing.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; unchanged after an error.
@@ -1304,7 +1314,7 @@ smr_status smr_last(const struct smr_tracker *tracker,
                     smr_state *state);
 
 /**
- * Copies the paper's tracker's current template, or the robust tracker's early template, which verifies the target.
+ * Copies the current template (paper's tracker) or the early template, which verifies the target (robust tracker).
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param pixels   Memory for the pixels, row by row without gaps, outside the tracker's own memory.
@@ -1319,7 +1329,8 @@ smr_status smr_template(const struct smr_tracker *tracker,
                         struct smr_image *image);
 
 /**
- * Largest size of a saved target in bytes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE when the library was built.
+ * Largest size of this tracker's saved target in bytes. Equals #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE as it
+ * was when the library was built.
  *
  * @param tracker  Made by #smr_init.
  * @param size     Is set to the number of bytes; unchanged after an error.
@@ -1329,7 +1340,7 @@ smr_status smr_saved_size(const struct smr_tracker *tracker,
                           size_t *size);
 
 /**
- * Saves the target as bytes, with the settings, which #smr_restore compares. The bytes are the same on every platform.
+ * Saves the target and the tracker's settings as bytes, the same on every platform. #smr_restore needs equal settings.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param bytes    Memory outside the tracker's own; unchanged after an error.
@@ -1344,7 +1355,7 @@ smr_status smr_save(const struct smr_tracker *tracker,
                     size_t *written);
 
 /**
- * Continues with a target that #smr_save wrote. Later answers are identical to those of the saved tracker.
+ * Continues with a target that #smr_save wrote. Given the same frames, answers equal those of the saving tracker.
  *
  * @param tracker  Made by #smr_init with the same configuration.
  * @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
@@ -1358,7 +1369,7 @@ smr_status smr_restore(struct smr_tracker *tracker,
                        size_t size);
 
 /**
- * Names the tracker's first setting that differs from the saved one, if #smr_restore returns #SMR_ERROR_OTHER_CONFIG.
+ * Names the tracker's first setting whose saved value differs, after #smr_restore returned #SMR_ERROR_OTHER_CONFIG.
  *
  * @param tracker  Made by #smr_init.
  * @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
@@ -1441,7 +1452,7 @@ smr_status smr_readout_frame(const struct smr_readout *readout,
 
 /**
  * Starts a flight record of a tracker: passes each later lock, update, move and restored target to `write`. `host-sim
- * replay FILE` replays the record and names the first difference. smr_core::record documents every byte.
+ * replay FILE` replays the record and names the first difference from it. smr_core::record documents every byte.
  *
  * Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. If trackers share a
  * workspace, finish an update in steps before you call another one. `write` runs inside the recorded calls.
@@ -1454,7 +1465,8 @@ smr_status smr_record(struct smr_tracker *tracker,
                       struct smr_recorder *recorder);
 
 /**
- * Reads the next entry of a flight record in memory, so that a test of firmware can replay it and compare answers.
+ * Reads the next entry of a flight record in memory. With these entries, a test of firmware can replay the record and
+ * compare answers.
  *
  * @param record  The bytes of the record.
  * @param size    The number of bytes.

@@ -70,7 +70,7 @@ impl Qemu {
         let elf = elf.with_context(|| format!("cannot open the firmware {name}"))?;
         let parsed = File::parse(elf.as_slice()).ok().filter(|file| matches!(file, File::Elf32(_)));
         let parsed = parsed.with_context(|| format!("{name} is not firmware: expected an ELF file of 32 bits"))?;
-        // The working folder, because firmware may write files there.
+        // Uses the working folder, because firmware may write files there.
         let here = Path::new(".");
         let holds = if !self.paths.is_empty() {
             self.replay(sizes(&parsed))?
@@ -138,8 +138,8 @@ impl Qemu {
         format!("{}{refined}", smr_evaluation::MethodKind::from(self.method).name())
     }
 
-    /// Runs the firmware with a trace. Returns the median of the instructions of an update, and the estimated cycles.
-    /// The first `calibrations` measurements are not of the tracker.
+    /// Runs the firmware with a trace. Returns true if the exit code is 0, the median instructions of an update, and
+    /// the text of the estimated cycles. Skips the first `calibrations` measurements, which are not of the tracker.
     fn traced(&self, folder: &Path, calibrations: u32) -> Result<(bool, (u64, String))> {
         self.start(folder, &TRACE, |trace| {
             let mut python = Command::new("python3");

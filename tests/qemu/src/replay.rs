@@ -60,11 +60,11 @@ pub fn write(record: &[u8], step: Option<NonZeroU32>, folder: &Path) -> Result<(
     step.context("cannot write step.smr for QEMU")
 }
 
-/// Result and cost of a record on the firmware.
+/// Result and cost of the firmware's replay of a record.
 pub struct Report {
     /// Bytes of a target, of a workspace, and of the buffer for one entry.
     memory: [u32; 3],
-    /// First frame (from 1) with a difference: name of the value, the firmware's value, the recorded value.
+    /// First difference: number of the frame (from 1); name of the value, the firmware's value, the recorded value.
     pub difference: Option<(usize, (&'static str, String, String))>,
     work: [u64; 3],
     /// Instructions of an update and of its longest step: median, 95th percentile, largest.
@@ -79,7 +79,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// Parses the firmware's output file in `folder`. Fails if the firmware refused the record, or on another format.
+    /// Parses the firmware's output file in `folder`. Fails if the firmware refused or did not finish the record, if
+    /// its timer stood still, or if the file has another format.
     pub fn of(folder: &Path, record: &[u8]) -> Result<Self> {
         let bytes = fs::read(folder.join("said.smr")).unwrap_or_default();
         let words = |line: &[u8; 64]| {
@@ -138,7 +139,8 @@ impl fmt::Display for Report {
     }
 }
 
-/// Parses the firmware's line about a difference into the frame and the value. Fails if the line has another format.
+/// Parses the firmware's line about a difference into the fields of `Report::difference`. Fails if the firmware refused
+/// the frame, or if the line has another format.
 fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, String, String))> {
     let [5, at, why, x, y, width, height, state, confidence, ratio, runner_up, alpha, scale, again, ..] = *line else {
         bail!("the firmware says {line:?}: expected what an update took")

@@ -67,7 +67,7 @@ impl Bench {
 
 const SEQ: &[&str] = &["synthetic", "--frames", "..3"];
 const HELLO: &[u32] = &[1, 5, 9252, 4500, 4600, 2_000_000, 80_000];
-/// Offset of a byte in the record's lock entry.
+/// Offset in bytes from the start of the record to a byte inside its lock entry.
 const LOCKED: u32 = 600;
 
 #[test]
@@ -154,7 +154,7 @@ fn cycles_are_those_of_the_blocks_that_ran() {
     );
     let (code, out, err) = bench.run(&["--cycles"]);
     assert_eq!((code, err.as_str()), (Some(0), ""));
-    // Cortex-M4: 2 cycles for 2 instructions, 2 for two more words of `stm`, 2 for the branch: 3 per instruction.
+    // Cortex-M4: 2 cycles for 2 instructions, 2 for two more words of `stm`, 2 for the taken branch. 6 / 2 = 3.
     for line in [
         "cortex-m4: lock 0.00, update median 0.000, at most 0.000; 3.00 an",
         "at 168 MHz: 14000000 updates",
