@@ -87,7 +87,7 @@ fn a_camera_updates_up_to_the_edge() {
     }
 }
 
-/// Of the paper's gates only `gate_tracking` has a ratio of at most 1, at which the tracker reports no runner-up below
+/// Only `gate_tracking` of the paper's gates has a ratio of at most 1, at which the tracker reports no runner-up below
 /// the peak. So a runner-up in an answer shows that another gate applied.
 #[test]
 fn returning_takes_more_until_a_lost_target_is_found_again() {

@@ -116,8 +116,7 @@ def halves(found, sources, half):
 
 def trained(chosen, sources, folder):
     """Draws samples and trains on them; returns the integers of the weights."""
-    # Imported here, because JAX takes a second to load, and neither the processes that draw samples nor the checks of
-    # the input need JAX.
+    # Imported here, because JAX takes a second to load, and neither the processes that draw samples nor the checks of the input need JAX.
     from refiner_training import fit, network
 
     drawn = samples.draw(sources, chosen.pairs, chosen.cutouts, chosen.seed, folder, chosen.processes)

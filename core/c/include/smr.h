@@ -97,7 +97,7 @@
 typedef union smr_paper_target {
     /** Sets the alignment. */
     uint64_t alignment;
-    /** Sets the size. */
+    /** Gives the type its size; do not access. */
     unsigned char bytes[SMR_PAPER_TARGET_SIZE];
 } smr_paper_target;
 
@@ -105,7 +105,7 @@ typedef union smr_paper_target {
 typedef union smr_paper_workspace {
     /** Sets the alignment. */
     uint64_t alignment;
-    /** Sets the size. */
+    /** Gives the type its size; do not access. */
     unsigned char bytes[SMR_PAPER_WORKSPACE_SIZE];
 } smr_paper_workspace;
 
@@ -113,7 +113,7 @@ typedef union smr_paper_workspace {
 typedef union smr_robust_target {
     /** Sets the alignment. */
     uint64_t alignment;
-    /** Sets the size. */
+    /** Gives the type its size; do not access. */
     unsigned char bytes[SMR_ROBUST_TARGET_SIZE];
 } smr_robust_target;
 
@@ -121,7 +121,7 @@ typedef union smr_robust_target {
 typedef union smr_robust_workspace {
     /** Sets the alignment. */
     uint64_t alignment;
-    /** Sets the size. */
+    /** Gives the type its size; do not access. */
     unsigned char bytes[SMR_ROBUST_WORKSPACE_SIZE];
 } smr_robust_workspace;
 

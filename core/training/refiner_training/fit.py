@@ -16,8 +16,7 @@ UNROUNDED_SHARE = 0.25
 # The loss is quadratic in errors of the correction below this value, and linear in larger errors. The errors are in
 # sides of the box (dx, dy) or in natural logarithms (width, height).
 SMOOTH = 0.03
-# Minimum and maximum of the log spreads that the network predicts for its errors, and the log spread at a network
-# output of 0.
+# Minimum and maximum of the log spreads that the network predicts for its errors, and the log spread at a network output of 0.
 LEAST_SPREAD, MOST_SPREAD, SPREAD_AT_ZERO = -5.0, 1.0, -1.5
 
 

@@ -45,8 +45,7 @@ def whole(parameters):
     """Rounds parameters to the integers of the weights file: per layer, biases and weights (output, input)."""
     integers = []
     for layer, (weights, biases) in zip(LAYERS, parameters):
-        # Makes one row for each output, with its weights in the order ky, kx, input. In all layers the output is the
-        # last axis of `weights`.
+        # Makes one row for each output, with its weights in the order ky, kx, input. In all layers the output is the last axis of `weights`.
         rows = np.array(whole_weights(weights, layer)).astype(np.int32).reshape(layer.row, layer.outputs).T
         biases = np.array(whole_biases(biases, layer)).astype(np.int32)
         integers.append((biases - crops.ZERO * rows.sum(1) if layer is LAYERS[0] else biases, rows))

@@ -69,7 +69,7 @@ impl Checked for Paper {
 /// Largest possible difference between a score of `pixels` pixels and the exact one, in units of 1/65535.
 fn bound(pixels: u32) -> f64 {
     let n = f64::from(pixels);
-    // Core rounds each of the n table entries by at most half a unit. The exact sum in f64 has n terms of at most
+    // Core rounds each of the n table entries by at most half a unit. The reference's sum in f64 has n terms of at most
     // 65535, each with a relative error of 2^-52; each partial sum, at most n * 65535, is rounded by a relative 2^-53.
     n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
 }

@@ -8,8 +8,7 @@ import smr
 
 SIDE = 64
 WINDOWS = {"+-16": (16, 16), "+-60x50": (60, 50)}
-# Approximate number of updates to time; largest number of runs of each update; total seconds of these runs, after which
-# no further one starts.
+# Approximate number of updates to time; largest number of runs of each update; total seconds of these runs, after which no further one starts.
 UPDATES, REPEATS, ENOUGH = 60, 15, 0.01
 # Largest shift of the target in the second frame in pixels; smaller near the frame's edge.
 SPARE = 8

@@ -29,7 +29,9 @@ class Tracker:
         """The `Answer` of the last `update` or `follow`; None directly after `init` or `restore`."""
     @property
     def quality(self) -> Optional[float]:
-        """Distinctness of the target from its surroundings at `init`: 0 (may slip unnoticed) to 1. None without a target."""
+        """Distinctness of the target from its surroundings at `init`, from 0 (the box may slip along the target unnoticed)
+        to 1. None without a target.
+        """
     @property
     def options(self) -> dict[str, Any]:
         """All options by name, and the preset: `type(tracker)(**tracker.options)` creates an equal tracker."""
@@ -48,13 +50,17 @@ class Tracker:
     def window(self) -> Optional[Box]:
         """The part of the frame that the next update reads, in whole pixels; None without a target."""
     def sweep_window(self) -> Optional[Box]:
-        """The second part that the next update reads, to search for a lost target, in whole pixels; or None."""
+        """The second part of the frame that the next update reads, to search for a lost target, in whole pixels; None if
+        there is no such part.
+        """
     def moved(self, right: float, down: float) -> None:
         """Reports a turn of the camera in pixels: what was at (x, y) is expected at (x + right, y + down) next."""
     def save(self) -> bytes:
         """Saves the target as bytes, for `restore` with equal preset and options, in Python, Rust, C or MicroPython."""
     def restore(self, saved: bytes) -> None:
-        """Continues with a saved target. It must be saved with equal options; the error names the first that differs."""
+        """Continues with a saved target. It must have been saved with equal options; if not, the error names the first
+        option that differs.
+        """
 
 class Paper(Tracker):
     """The tracker of the paper: fast, for a target that keeps its size.
@@ -176,8 +182,10 @@ def start_beside(path: _Path) -> Optional[_Four]:
 def recordings(paths: Sequence[_Path]) -> list[os.PathLike[str]]:
     """Finds the recordings in folders, as host-sim does: a list of paths. Raises ValueError if a folder has none."""
 def measure(path: _Path, trackers: Mapping[str, Tracker], starts: Union[str, int]) -> dict[str, list[Any]]:
-    """Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as a dict of columns. See
-    `smr.evaluate`, which takes many recordings, for `starts`.
+    """Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as a dict of columns.
+    `starts` has the meaning and values that `smr.evaluate`, which takes many recordings, documents.
     """
 def follow(trackers: Sequence[Tracker], frame: _Frame, threads: int) -> list[Answer]:
-    """Updates all trackers of a `Group` on at most `threads` threads, or no tracker if any cannot follow or is in use."""
+    """Updates all trackers of a `Group` on at most `threads` threads. Updates none if another thread is using one of them
+    or if one would refuse the frame.
+    """

@@ -251,8 +251,7 @@ class Camera:
         clients = self.connection.clients if getattr(self.connection, "udp_server", False) else None
         due = set()
         for address in [None] if clients is None else clients:
-            # An address without a known receiver is treated as `strangers`, which set no minimum interval between
-            # messages.
+            # An address without a known receiver is treated as `strangers`, which set no minimum interval between messages.
             for one in [one for (at, *_), one in self.receivers.items() if at == address] or [self.strangers]:
                 is_due = one.interval < math.inf and (at_once or now - one.sent >= max(one.interval, least))
                 if is_due if to is None else one is to:

@@ -14,7 +14,7 @@ use core::arch::x86_64::*;
 pub(super) trait Shuffle: Neighbours {
     /// Loads the same 16 bytes into each part.
     unsafe fn segment(entries: &[u8; SEGMENT]) -> Self;
-    /// Looks up each index in the `entries` of its part; zero if the top bit of the index is set.
+    /// Looks up each index in the 16 `entries` of the same 16-byte part; zero if the index has its top bit set.
     unsafe fn shuffle(entries: Self, index: Self) -> Self;
     /// Signed saturating subtraction: max(a - b, -128).
     fn lowered(a: Self, b: Self) -> Self;
@@ -56,7 +56,8 @@ fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
     }
 }
 
-/// The first `SEGMENTS` table segments of both byte planes in registers. Exists only if the processor has the shuffle.
+/// The first `SEGMENTS` segments of the table in registers, low bytes and high bytes apart. Made only for processors
+/// with a byte shuffle.
 pub(super) struct Planes<V, const SEGMENTS: usize> {
     low: [V; 16],
     high: [V; 16],

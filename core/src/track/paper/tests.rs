@@ -90,7 +90,7 @@ fn the_most_work_is_nearly_done() {
     // every group's bound is the full score, but no pixel has that level.
     let of = |level: fn(i32, i32) -> u8| Picture::of(160, 120, level);
     let stripes = [of(|_, _| 150), of(|x, y| if (x + y) % 2 == 0 { 100 } else { 200 })];
-    // The same template pixels, about one in eight, match at every offset: all scores are equal, and equal to the bound
+    // About one in eight template pixels matches, the same ones at every offset: all scores are equal, and equal to the bound
     // of every group of 4x4 offsets.
     let dots = [of(|x, y| if (x + y) % 8 == 0 { 150 } else { 250 }), of(|_, _| 150)];
     let mut closest = 0.0_f64;

@@ -57,7 +57,7 @@ pub(super) struct Place {
     /// The present tile's first offset that no earlier tile contains; without tiles, the present offset.
     pub(super) column: usize,
     pub(super) row: usize,
-    /// Index of the next neighbour, scout, row of ranges, or group, depending on the stage.
+    /// Index of the next item of the present stage: a neighbour, a scout, a row of the table of ranges, or a group.
     pub(super) next: usize,
     /// Index of the next offset in the present group.
     pub(super) offset: u8,

@@ -150,8 +150,8 @@ impl Sums {
             .apply(responses.rows.as_flattened_mut(), coded);
     }
 
-    /// The step length: `rate` / 256 of the exact one, with 44 fractional bits, below 2^47. `offsets` is the number of
-    /// all offsets, and `measured` the number of those with a response to the direction.
+    /// The step length: `rate` / 256 of the one that minimises the error, with 44 fractional bits, as an integer below
+    /// 2^47. `offsets` counts all offsets, `measured` those for which the direction's response was computed.
     #[inline(never)] // gives its loops registers of their own
     fn step_length(&self, direction: &[i16], descent: i64, rate: u16, [offsets, measured]: [i64; 2]) -> i64 {
         // The sum is at most 2000 * 8191^2 < 2^37.
