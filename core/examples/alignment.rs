@@ -1,4 +1,4 @@
-//! Makes unaligned accesses fault as on a Cortex-M0+; the larger Arm processor that QEMU emulates instead allows them.
+//! Makes unaligned accesses fault as on a Cortex-M0+. QEMU emulates a larger Arm processor, which allows such accesses.
 
 #![allow(unsafe_code)] // writes a register of the processor
 

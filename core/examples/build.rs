@@ -1,4 +1,4 @@
-//! Passes linker scripts, because flags in `.cargo/config.toml` would apply to all firmware in the workspace.
+//! Names the linker scripts here, because flags in `.cargo/config.toml` would apply to all firmware in the workspace.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -58,8 +58,8 @@ pub fn offsets<const PIXELS: usize, const SPAN: usize>(target: &Paper<PIXELS, SP
     target.offsets()
 }
 
-/// The score of the box at (`x`, `y`) with the present template and alpha; `None` before the first lock, or if a pixel
-/// is not in memory.
+/// The score of the box at (`x`, `y`) with the present template and alpha; `None` before the first lock, or if `frame`
+/// lacks pixels of the box that lie inside its bounds.
 #[must_use]
 pub fn score_of<const PIXELS: usize, const SPAN: usize>(
     target: &Paper<PIXELS, SPAN>,

@@ -58,7 +58,7 @@ fn update(tracker: &mut Follower, seed: u32, places: &[(i32, i32)]) -> Answer {
 }
 
 /// Updates the tracker with a frame that has the target at `place`. Returns true if the template was updated from this
-/// frame: its top left pixel, which depends on `seed`, is then the target's.
+/// frame: the template's top left pixel then equals the target's in this frame, which depends on `seed`.
 fn learns(tracker: &mut Follower, seed: u32, place: (i32, i32)) -> bool {
     let answer = update(tracker, seed, &[place]);
     assert_eq!((answer.bbox, answer.state), (at(place), State::Tracking));
@@ -68,7 +68,7 @@ fn learns(tracker: &mut Follower, seed: u32, place: (i32, i32)) -> bool {
 
 #[test]
 fn the_template_is_updated_only_inside_the_zone() {
-    // Places on both sides of each limit of the zone: x >= 20, y >= 20, x + 12 < 90 - 1, y + 12 < 70 - 1 (boxes of
+    // Places on both sides of each limit of `update_zone`: x >= 20, y >= 20, x + 12 < 90 - 1, y + 12 < 70 - 1 (boxes of
     // 12x12 pixels, frames of 90x70).
     let places = [(20, 20), (19, 20), (20, 19), (76, 56), (77, 56), (76, 57), (30, 30), (19, 56), (76, 19)];
     let mut tracker = locked(Config::paper(), (40, 30));
@@ -87,8 +87,8 @@ fn a_camera_updates_up_to_the_edge() {
     }
 }
 
-/// Only `gate_tracking` of the paper's gates has a ratio of at most 1, at which the tracker reports no runner-up below
-/// the peak. So a runner-up in an answer shows that another gate applied.
+/// Among the paper's gates, only `gate_tracking` is at most 1. Under such a gate, the tracker reports no runner-up
+/// below the peak. So a runner-up in an answer shows that another gate applied.
 #[test]
 fn returning_takes_more_until_a_lost_target_is_found_again() {
     let mut tracker = locked(Config::paper(), (10, 30));

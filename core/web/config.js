@@ -14,7 +14,7 @@ export function checkOptions(options = {}) {
   return object(options, "the options", "an object");
 }
 
-/** Overwrites the preset at `config` with the options that are not undefined. Returns all its options by name. */
+/** Changes the preset at `config` by the options that are not undefined. Returns all options of the result by name. */
 export function useOptions(library, config, method, options) {
   const [given, known] = [Object.entries(options).filter(([, value]) => value !== undefined), settingsOf(library, config)];
   for (const [name, value] of given) {

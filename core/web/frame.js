@@ -28,7 +28,7 @@ export function frameOf(frame) {
   return checked;
 }
 
-// Throws if `bytes`, the frame's bytes per pixel, fit another format: colors would be misread as gray, for example.
+// Throws if the data's `bytes` per pixel fit a format other than `channels`: gray and colors would be confused.
 function checkPixels(bytes, channels) {
   if (Number.isInteger(bytes) && bytes >= 1 && bytes <= 4 * channels && bytes !== channels) {
     const expected = channels === 1 ? '1 byte for each pixel (gray), or 4 with format: "rgba"' : '4 bytes for each pixel (RGBA), or 1 with format: "gray"';

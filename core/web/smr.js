@@ -115,7 +115,7 @@ async function moduleBytes(source) {
 // Loads the bytes at an address; files are read by `node:fs`, because Node's `fetch` does not load them.
 async function fetched(address) {
   if (typeof process !== "undefined" && process.versions?.node !== undefined && !/^(https?|data|blob):/.test(address)) {
-    // The name is joined at run time, because bundlers resolve literal names and lack this module.
+    // The module's name is joined at run time, because bundlers resolve literal names and lack `node:fs/promises`.
     const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ NODE_FILES.join("/"));
     return readFile(address.startsWith("file:") ? new URL(address) : address);
   }
@@ -375,10 +375,10 @@ export class Tracker {
     return window?.width > 0 ? window : null;
   }
 
-  /** Template { width, height, pixels }: a robust tracker's is the slowly learned early one. Null without a target. */
+  /** Template { width, height, pixels } (robust tracker: its slowly learned early template); null without a target. */
   get template() {
     this.#live();
-    // The template is read from a saved target, which contains it.
+    // A saved target contains the template, so the size of one is enough for the pixels.
     const size = this.#get("smr_saved_size", "number");
     const image = this.#ask("smr_template", "image", this.#library.pixels(size), size);
     return image === null ? null : { ...image, pixels: this.#library.memory.copy(image.pixels, image.width * image.height) };

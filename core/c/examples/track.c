@@ -159,9 +159,9 @@ int main(int argc, char **argv)
                windows[1].width > 0 ? " and more" : "");
         near = abs((int)answer.bbox.x - left) <= 2 && abs((int)answer.bbox.y - top) <= 2;
         /* The tracker must find the target while it is in view, and must not be tracking in the last frame in which it is hidden. If the
-         * target reappears outside the search window, the robust tracker may miss it in its first three frames, because
-         * outside that window each update searches only windows[1], a part of the frame. While it misses the target,
-         * its state must not be SMR_TRACKING. */
+         * target reappears outside windows[0], the search window, the robust tracker may miss it in the first three
+         * frames in view: outside windows[0], an update searches only windows[1], a part of the frame. As long as the
+         * tracker misses the target, the state must not be SMR_TRACKING. */
         sought = number >= HIDDEN_TO && number < HIDDEN_TO + 3 && windows[1].width > 0 && answer.state != SMR_TRACKING;
         wrong += (in_view && !near && !sought) || (number == HIDDEN_TO - 1 && answer.state == SMR_TRACKING);
     }

@@ -170,7 +170,7 @@ enum smr_status
    */
   SMR_ERROR_NOT_INITIALISED = 6,
   /**
-   * The call is for the other kind of tracker, or the other kind saved the target.
+   * The call or the saved target belongs to the robust tracker but this is the paper's, or the reverse.
    */
   SMR_ERROR_OTHER_METHOD = 7,
   /**
@@ -343,8 +343,8 @@ enum smr_state
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /**
-   * The target is in the box, and the box is inside the frame (paper's tracker) or matches, tile by tile, the early
-   * template: a running mean of the target's pixels that learns very slowly (robust tracker).
+   * The target is in the box. Paper's tracker: the box is inside the frame. Robust tracker: the box matches, tile by
+   * tile, the early template, which is a running mean of the target's pixels that learns very slowly.
    */
   SMR_TRACKING = 0,
   /**
@@ -358,7 +358,7 @@ enum smr_state
   SMR_UNCERTAIN = 2,
   /**
    * The target is not visible; the search continues. The box is the last accepted one (paper's tracker) or the
-   * current best guess (robust tracker). Nothing is learned, except if the refiner's network alone reports the loss.
+   * current best guess (robust tracker). Nothing is learned, unless only the refiner judges the target lost.
    */
   SMR_LOST = 3,
 };
@@ -826,9 +826,9 @@ typedef struct smr_answer {
    */
   uint32_t scale;
   /**
-   * The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: 2/3 of a running
-   * mean of each frame's evidence, which is the agreement with the early template (0 to 1) plus the filter response
-   * (clamped to 0 to 1/2).
+   * The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: 2/3 of the running
+   * mean, over the frames, of the evidence. A frame's evidence is the agreement with the early template (0 to 1)
+   * plus the filter response (clamped to 0 to 1/2).
    */
   uint16_t confidence;
   /**
@@ -843,13 +843,12 @@ typedef struct smr_answer {
   uint16_t runner_up_ratio;
   /**
    * Alpha, the threshold of this frame, rounded up to whole gray levels (1 to 256): a pixel matched if it differed
-   * from the template by less. 0 from the robust tracker, whose threshold varies over the target.
+   * from the template by less. 0 from the robust tracker, whose threshold follows the contrast of each patch.
    */
   uint16_t alpha;
   /**
-   * 1 if the tracker searched for the runner-up; 0 if no decision needed the runner-up (see `runner_up_always` in
-   * #smr_paper_config). Always 0 from the robust tracker.
-   * #smr_paper_config), and always from the robust tracker.
+   * 1 if the tracker searched for the runner-up; 0 if no decision needed a runner-up (see setting `runner_up_always`
+   * in #smr_paper_config). Always 0 from the robust tracker.
    */
   uint8_t has_runner_up;
   /**
@@ -1175,7 +1174,7 @@ smr_status smr_init(void *storage,
                     struct smr_tracker **tracker);
 
 /**
- * Computes the window in a frame that #smr_lock reads for a given box. Firmware need not read out other pixels.
+ * Computes the window that #smr_lock reads for a given box. Firmware need not read out the frame's other pixels.
  *
  * @param tracker  Made by #smr_init.
  * @param width    Width of the frame in pixels.
@@ -1329,8 +1328,8 @@ smr_status smr_template(const struct smr_tracker *tracker,
                         struct smr_image *image);
 
 /**
- * Largest size of this tracker's saved target in bytes. Equals #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE as it
- * was when the library was built.
+ * Largest size of this tracker's saved target in bytes. Equals the value of #SMR_PAPER_SAVED_SIZE or
+ * #SMR_ROBUST_SAVED_SIZE with which the library was built.
  *
  * @param tracker  Made by #smr_init.
  * @param size     Is set to the number of bytes; unchanged after an error.
@@ -1440,7 +1439,7 @@ smr_status smr_readout_lines(struct smr_readout *readout,
                              size_t stride);
 
 /**
- * Fills a frame for #smr_lock and #smr_update once all lines of the windows have come. See #smr_readout on interrupts.
+ * Fills a frame for #smr_lock and #smr_update once all window lines have come. About interrupts see #smr_readout.
  *
  * @param readout  Filled by #smr_readout_begin.
  * @param frame    Is filled; need not be initialised. Points to the windows' memory. Unchanged after an error.
@@ -1452,7 +1451,7 @@ smr_status smr_readout_frame(const struct smr_readout *readout,
 
 /**
  * Starts a flight record of a tracker: passes each later lock, update, move and restored target to `write`. `host-sim
- * replay FILE` replays the record and names the first difference from it. smr_core::record documents every byte.
+ * replay FILE` replays the record and reports where the replay first differs. smr_core::record documents every byte.
  *
  * Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. If trackers share a
  * workspace, finish an update in steps before you call another one. `write` runs inside the recorded calls.

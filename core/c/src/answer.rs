@@ -7,8 +7,8 @@ use smr_core::{Answer, State};
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_state {
-    /// The target is in the box, and the box is inside the frame (paper's tracker) or matches, tile by tile, the early
-    /// template: a running mean of the target's pixels that learns very slowly (robust tracker).
+    /// The target is in the box. Paper's tracker: the box is inside the frame. Robust tracker: the box matches, tile by
+    /// tile, the early template, which is a running mean of the target's pixels that learns very slowly.
     SMR_TRACKING = 0,
     /// The box, with the target in it, is partly outside the frame. The template is not updated. Paper's tracker only.
     SMR_LEAVING = 1,
@@ -16,7 +16,7 @@ pub enum smr_state {
     /// follows something else. The paper's tracker never returns this state.
     SMR_UNCERTAIN = 2,
     /// The target is not visible; the search continues. The box is the last accepted one (paper's tracker) or the
-    /// current best guess (robust tracker). Nothing is learned, except if the refiner's network alone reports the loss.
+    /// current best guess (robust tracker). Nothing is learned, unless only the refiner judges the target lost.
     SMR_LOST = 3,
 }
 
@@ -33,9 +33,9 @@ pub struct smr_answer {
     pub state: smr_state,
     /// The target's size relative to its size at the lock, in units of 1/65536; always 65536 from the paper's tracker.
     pub scale: u32,
-    /// The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: 2/3 of a running
-    /// mean of each frame's evidence, which is the agreement with the early template (0 to 1) plus the filter response
-    /// (clamped to 0 to 1/2).
+    /// The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: 2/3 of the running
+    /// mean, over the frames, of the evidence. A frame's evidence is the agreement with the early template (0 to 1)
+    /// plus the filter response (clamped to 0 to 1/2).
     pub confidence: u16,
     /// The similarity of the box to the template. The paper's tracker: the similarity matching ratio, rounded down. The
     /// robust tracker: the fourth lowest of the similarity matching ratios of the early template's 16 tiles.
@@ -44,11 +44,10 @@ pub struct smr_answer {
     /// `neighbourhood` in #smr_paper_config); 0 if there is no runner-up.
     pub runner_up_ratio: u16,
     /// Alpha, the threshold of this frame, rounded up to whole gray levels (1 to 256): a pixel matched if it differed
-    /// from the template by less. 0 from the robust tracker, whose threshold varies over the target.
+    /// from the template by less. 0 from the robust tracker, whose threshold follows the contrast of each patch.
     pub alpha: u16,
-    /// 1 if the tracker searched for the runner-up; 0 if no decision needed the runner-up (see `runner_up_always` in
-    /// #smr_paper_config). Always 0 from the robust tracker.
-    /// #smr_paper_config), and always from the robust tracker.
+    /// 1 if the tracker searched for the runner-up; 0 if no decision needed a runner-up (see setting `runner_up_always`
+    /// in #smr_paper_config). Always 0 from the robust tracker.
     pub has_runner_up: u8,
     /// 1 if the target was lost in the previous frame and is found in this one; else 0.
     pub found_again: u8,

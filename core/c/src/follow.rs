@@ -105,7 +105,7 @@ unsafe fn init(
     unsafe { (method.make)(storage, workspace, config) }
 }
 
-/// Computes the window in a frame that #smr_lock reads for a given box. Firmware need not read out other pixels.
+/// Computes the window that #smr_lock reads for a given box. Firmware need not read out the frame's other pixels.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param width    Width of the frame in pixels.

@@ -60,7 +60,7 @@ mod readout;
 
 mod record;
 
-// JavaScript reads no flight records, and a WebAssembly module would contain `smr_next_entry` even if unused.
+// Not in WebAssembly: JavaScript reads no flight records, and modules would contain `smr_next_entry` even if unused.
 #[cfg(not(target_family = "wasm"))]
 mod entry;
 

@@ -103,10 +103,10 @@ struct OwnTracker<T: Method> {
 /// The contents of a workspace.
 #[repr(C)] // the mark comes first: a tracker of the other method that takes the memory overwrites it
 struct Scratch<T: Method> {
-    /// The value of [`Scratch::mark_of`] for the workspace's address. If the mark differs from it, the memory is not a
+    /// Result of [`Scratch::mark_of`] for the workspace's address. Any other value shows that the memory is not a
     /// workspace for this type of tracker.
     mark: usize,
-    /// Address of the [`OwnTracker`] that used the workspace last. Only this tracker may continue a call in steps.
+    /// Address of the [`OwnTracker`] that used the workspace last. Only it may continue a lock or update in steps.
     owner: usize,
     workspace: T::Workspace,
 }
@@ -125,8 +125,8 @@ const _: () = assert!(
         && fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
 );
 
-/// True if `size` is a multiple of `ALIGNMENT` that holds an aligned `T` with 0 to 64 bytes to spare. In a build whose
-/// `T` lacks fields of `optional` bytes, these bytes may be spare too.
+/// True if `size` is a multiple of `ALIGNMENT` that holds an aligned `T` with 0 to 64 bytes to spare, or with
+/// `optional` to `optional` + 64 bytes, because some builds omit fields of `optional` bytes from `T`.
 const fn fits<T>(size: usize, optional: usize) -> bool {
     let Some(spare) = size.checked_sub(size_of::<T>()) else { return false };
     let aligned = align_of::<T>() <= ALIGNMENT && size.is_multiple_of(ALIGNMENT);
@@ -164,7 +164,7 @@ impl<T: Method> OwnTracker<T> {
         NonNull::new(workspace)
     }
 
-    /// The target and its workspace. Cancels a call in steps that another tracker has begun in the workspace.
+    /// The target and its workspace. Cancels a lock or update in steps that another tracker has begun in the workspace.
     #[inline(never)] // one copy in flash
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
         let owner = ptr::from_ref(self).addr();

@@ -1,4 +1,4 @@
-//! The checks of every pointer from C: not NULL, aligned, outside the tracker's memory.
+//! The checks of pointers from C: not NULL, aligned, and, for bytes such as pixels, outside the tracker's memory.
 //!
 //! The header demands the rest of the caller, because it cannot be checked: the pointer points to memory of the size of
 //! its type, or of the stated size, and nobody else writes there during the call.
@@ -52,7 +52,7 @@ impl<T> Out<T> {
     }
 }
 
-/// Checks that `bytes` is not NULL, `size` is at most `isize::MAX`, and no byte is in `taken`, a tracker's memory.
+/// Checks that `bytes` is not NULL, `size` is at most `isize::MAX`, and no byte lies in the memory ranges `taken`.
 ///
 /// # Errors
 /// The errors of [`check`], `SMR_ERROR_MEMORY_TOO_LARGE`, `SMR_ERROR_OVERLAPS_TRACKER`.

@@ -70,7 +70,7 @@ pub struct smr_readout {
 }
 
 impl smr_readout {
-    /// Copies `from`. An interrupt may change `next` and `line`: reads `next` only once; the copy's `line` is 0.
+    /// Copies `from` while an interrupt may change `next` and `line`: reads `next` once, sets the copy's `line` to 0.
     ///
     /// # Safety
     /// A `from` that passes [`pointer::check`] points to an `smr_readout`.
@@ -236,7 +236,7 @@ unsafe fn convert(
     unsafe { smr_readout::store_progress(to, readout.next, result) }
 }
 
-/// Fills a frame for #smr_lock and #smr_update once all lines of the windows have come. See #smr_readout on interrupts.
+/// Fills a frame for #smr_lock and #smr_update once all window lines have come. About interrupts see #smr_readout.
 ///
 /// @param readout  Filled by #smr_readout_begin.
 /// @param frame    Is filled; need not be initialised. Points to the windows' memory. Unchanged after an error.

@@ -29,7 +29,7 @@ pub struct smr_recorder {
 }
 
 /// Starts a flight record of a tracker: passes each later lock, update, move and restored target to `write`. `host-sim
-/// replay FILE` replays the record and names the first difference from it. smr_core::record documents every byte.
+/// replay FILE` replays the record and reports where the replay first differs. smr_core::record documents every byte.
 ///
 /// Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. If trackers share a
 /// workspace, finish an update in steps before you call another one. `write` runs inside the recorded calls.
@@ -117,7 +117,7 @@ impl Tracked for smr_recorder {
             Event::Lock(frame, bbox) => to.lock_of(frame, bbox, own.lock_window(frame.bounds(), bbox)),
             Event::Window(frame) => {
                 let [window, sweep] = [own.window(), own.sweep_window()].map(Option::unwrap_or_default);
-                // If the frame does not cover the windows, the update fails and is not recorded.
+                // An update whose frame does not cover `window` and a nonempty `sweep` fails and is not recorded.
                 let shows = frame.covers(window) && (sweep.is_empty() || frame.covers(sweep));
                 if shows { to.window_of(frame, window, sweep) } else { Ok(()) }
             }

@@ -41,7 +41,7 @@ statuses! {
     /// The tracker was not made by #smr_init, it or its workspace was moved or overwritten since, or the configuration
     /// was not filled by one of the calls smr_config_...
     SMR_ERROR_NOT_INITIALISED = 6,
-    /// The call is for the other kind of tracker, or the other kind saved the target.
+    /// The call or the saved target belongs to the robust tracker but this is the paper's, or the reverse.
     SMR_ERROR_OTHER_METHOD = 7,
     /// No setting of this tracker has this name.
     SMR_ERROR_SETTING_UNKNOWN = 8,

@@ -111,8 +111,8 @@ impl Known<'_> {
     }
 }
 
-/// Largest size of this tracker's saved target in bytes. Equals #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE as it
-/// was when the library was built.
+/// Largest size of this tracker's saved target in bytes. Equals the value of #SMR_PAPER_SAVED_SIZE or
+/// #SMR_ROBUST_SAVED_SIZE with which the library was built.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param size     Is set to the number of bytes; unchanged after an error.

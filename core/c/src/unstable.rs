@@ -8,8 +8,8 @@ use crate::status::{smr_status, status_of};
 use crate::tracker::{ResponseMap, smr_tracker, with_frame, write_result};
 use core::ffi::{c_int, c_void};
 
-/// Sets `work` to the work of the last update or lock in the workspace of `tracker`, in the units of `smr_update_step`.
-/// A tracker that shares the workspace may have done it; a later `smr_response_map` adds to it.
+/// Sets `work` to the work of the present or last update or lock in the workspace of `tracker`, even by another
+/// tracker, plus that of any later `smr_response_map`, in the units of `smr_update_step`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_work(tracker: *const smr_tracker, work: *mut u32) -> smr_status {
     // SAFETY: as every call demands of its caller.
@@ -17,8 +17,8 @@ pub unsafe extern "C" fn smr_work(tracker: *const smr_tracker, work: *mut u32) -
 }
 
 /// Sets `responses[reach + y][reach + x]` to the robust tracker's filter response in `frame` at (x, y) cells from the
-/// middle of the next update's search window, in units of 1/16384, without the distance penalty. Entries with an index
-/// above 2 * `reach` are 0. Cancels an update under way.
+/// middle of the next update's search window, in units of 1/16384, without the distance penalty. `reach` is the
+/// tracker's setting; entries with an index above 2 * `reach` are 0. Cancels an update under way.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_response_map(
     tracker: *mut smr_tracker,
@@ -74,7 +74,7 @@ pub extern "C" fn smr_simd() -> u8 {
     cfg!(target_feature = "simd128").into()
 }
 
-/// Compares every kernel with the plain loop. Panics if one differs.
+/// Compares all kernels of the best backend with formulas or plain loops. Panics if a result differs.
 #[cfg(feature = "check")]
 #[unsafe(no_mangle)]
 pub extern "C" fn smr_check_kernels() {

@@ -46,7 +46,7 @@ static pages map_pages(size_t size)
     return made;
 }
 
-/* The part of frame `number` in `window`, at the start or the end of `pages`; empty if the window is empty. */
+/* Writes the `window` of frame `number` to the start or the end of `pages`. The part is empty if the window is. */
 static smr_part part_of(unsigned number, const pages *pages, const smr_rect *window, int at_the_end)
 {
     smr_part part;

@@ -506,7 +506,7 @@ static void boxes(void)
     REFUSED_BOX(0, 0, 1, 1, SMR_OK);
 }
 
-/* Only the paper's tracker refuses too large a box or window. */
+/* Only the paper's tracker refuses a box or window as too large. */
 static void capacities(void)
 {
     static uint8_t wide[SMR_PIXELS + 1 > 2 * SMR_SPAN + 4 ? SMR_PIXELS + 1 : 2 * SMR_SPAN + 4];
@@ -757,7 +757,7 @@ static void power(void)
     EXPECT(smr_restore(tracker, newer, size), SMR_OK);
 }
 
-/* smr_template copies the template if the memory is large enough, and writes nothing beyond it. */
+/* smr_template copies the template into a buffer that is large enough, and writes nothing beyond the template. */
 static void templates(void)
 {
     const uint16_t side = robust ? 16 : 8; /* robust: a grid of half the target's width and height */

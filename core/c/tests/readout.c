@@ -1,6 +1,6 @@
 /*
- * Checks the read-out: every format gives the gray levels that the header states, and every wrong call its own status. A tracker that
- * gets only windows from the read-out answers like one that gets whole gray frames.
+ * Checks the read-out: every format gives the gray levels that the header states, and every wrong call returns the
+ * expected status. A tracker that gets only windows from the read-out answers like one that gets whole gray frames.
  */
 
 #include <stdio.h>
@@ -122,7 +122,7 @@ static void two_windows(int format)
     }
 }
 
-/* A tracker of whole gray frames and one that gets windows from the read-out give equal answers. */
+/* A tracker that gets whole gray frames and one that gets windows from the read-out give equal answers. */
 static void follow(int format)
 {
     static smr_robust_target storages[2];

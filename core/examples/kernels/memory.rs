@@ -7,7 +7,7 @@ use core::slice;
 use cortex_m::peripheral::MPU;
 use smr_core::unstable::check::{Areas, ROOM};
 
-/// Returns three areas for images, at the addresses of `edges`: two end and one starts there. Call this function once.
+/// Returns three areas for images: two end at two addresses of `edges`, one starts at the third. Call this only once.
 pub fn take() -> Areas<'static> {
     let [end, other_end, start] = edges();
     // SAFETY: the board has writable memory there, and the linker script puts nothing there: the firmware is short.
@@ -15,7 +15,7 @@ pub fn take() -> Areas<'static> {
     Areas { end: room(end - ROOM), other_end: room(other_end - ROOM), start: room(start) }
 }
 
-/// Three addresses: the ends of two of the board's memories, and the start of one.
+/// Three addresses at the edges of the board's memories: the ends of two memories, and the start of a third.
 #[cfg(target_arch = "arm")]
 fn edges() -> [usize; 3] {
     let peripherals = cortex_m::Peripherals::take().expect("they were not taken before");
@@ -40,7 +40,7 @@ fn edges() -> [usize; 3] {
 }
 
 #[cfg(target_arch = "arm")]
-/// Bytes beyond an edge that the memory protection unit (MPU) blocks.
+/// Number of bytes that the memory protection unit (MPU) blocks beyond each edge.
 const FORBIDDEN: usize = 4096;
 
 #[cfg(target_arch = "arm")]
@@ -49,7 +49,7 @@ fn forbid(mpu: &MPU, addresses: [usize; 3]) {
     const ON_AND_ELSE_ALLOWED: u32 = 0b101;
     /// Region size and access bits: 2^(11 + 1) bytes that may be neither read nor written.
     const NOT_EVEN_READ: u32 = 11 << 1 | 1;
-    // RASR, the MPU's fifth register. The crate names it differently for Armv8-M.
+    // RASR, the MPU's fifth register. The crate cortex-m names it differently for Armv8-M.
     let size_and_access = MPU::PTR.cast_mut().cast::<u32>().wrapping_add(4);
     for (region, address) in (0..).zip(addresses) {
         #[allow(clippy::cast_possible_truncation)] // usize is u32 here

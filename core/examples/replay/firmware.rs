@@ -16,10 +16,10 @@ const NONE: u32 = u32::MAX;
 /// The size in bytes of an entry that contains an answer.
 const ANSWER: usize = AROUND + 30;
 
-/// The paper's tracker for the test vectors: small boxes and large windows.
+/// The paper's tracker for the test vectors: boxes of up to 128 pixels, and windows of up to +-60 pixels.
 #[cfg(feature = "small")]
 type Smr = Paper<128, 121>;
-/// The paper's tracker for boxes of up to 64x64 pixels, with a window of +-16 that does not grow.
+/// The paper's tracker for boxes of up to 64x64 pixels, and windows of up to +-16 pixels, growth included.
 #[cfg(not(feature = "small"))]
 type Smr = Paper<{ 64 * 64 }, 33>;
 
@@ -28,7 +28,7 @@ trait Replayed: Recorded {
     type Buffer: AsMut<[u8]>;
     const BUFFER: Self::Buffer;
 
-    /// The settings that a record does not contain: the backend (plain loops with feature `plain`, else the best one).
+    /// Returns a preset with the backend, which no record has: plain loops with feature `plain`, else the best one.
     fn unrecorded_settings() -> Self::Config;
 }
 
@@ -235,7 +235,8 @@ impl Run {
         Ok(self.record.read(self.at, entry).map(|()| &*entry))
     }
 
-    /// Writes the result: the bytes of stack and the ticks of the last lock, or the reason `why` the replay stopped.
+    /// Writes the result: bytes of stack (used, available, used by an update) and ticks of the last lock; or, if the
+    /// replay stopped early, the offset of the entry and the reason `why`.
     fn end(&mut self, why: Option<&End>) -> Result<(), End> {
         let Some(why) = why else {
             let (used, room) = stack();

@@ -1,4 +1,4 @@
-//! A file on the debugger's host. Unlike that of the crate `semihosting`, it has no assertions, so it cannot panic.
+//! A file on the debugger's host. Unlike the type in the crate `semihosting`, it has no assertions, so it cannot panic.
 
 #![allow(unsafe_code)] // semihosting calls take addresses
 

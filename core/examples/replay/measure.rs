@@ -40,7 +40,7 @@ pub extern "C" fn smr_ticks() -> u32 {
     SYST::get_current()
 }
 
-/// Executes this many instructions, to calibrate the timer. (The count of `cortex_m::asm::delay` varies by version.)
+/// Executes this many instructions, to calibrate the timer. (In `cortex_m::asm::delay`, the number varies by version.)
 pub fn spin(instructions: u32) {
     // SAFETY: two instructions per round count down a register.
     unsafe {
@@ -65,7 +65,7 @@ pub fn stack() -> (u32, u32) {
     (distance(at), distance(lowest))
 }
 
-/// The bytes of stack in use in the caller.
+/// Bytes of stack in use in the caller: its own frame and those of the functions that called it.
 #[inline(always)] // else they are those of this function
 pub fn depth() -> u32 {
     unsafe extern "C" {

@@ -58,7 +58,7 @@ pub fn paint_stack() {
     }
 }
 
-/// Returns the most bytes of stack used so far (those at [`paint_stack`] included) and the stack's size in bytes.
+/// Returns the most bytes of stack used so far (with those before [`paint_stack`]) and the stack's size in bytes.
 pub fn stack() -> (u32, u32) {
     let (lowest, end) = (addr_of!(__estack), addr_of!(_stack_start));
     let mut at = lowest;
@@ -71,7 +71,7 @@ pub fn stack() -> (u32, u32) {
     (distance(at), distance(lowest))
 }
 
-/// The bytes of stack in use in the caller.
+/// Bytes of stack in use in the caller: its own frame and those of the functions that called it.
 #[inline(always)] // else they are those of this function
 pub fn depth() -> u32 {
     let now: u32;

@@ -65,8 +65,8 @@ static void check_line(smr_status status, uint16_t line) {
     if (text == NULL) {
         mp_raise_msg_varg(&mp_type_RuntimeError, MP_ERROR_TEXT("%s"), smr_status_name(status));
     }
-    // Formats only two of the texts from `words`, this one and that in `restore`: MicroPython 1.29's format buffer is a
-    // byte too short for the longest of them.
+    // Formats a text from `words` only if it has a placeholder, as here and in `restore`: the format buffer of
+    // MicroPython 1.29 is one byte too short for the longest text.
     if (status == SMR_ERROR_LINE_TOO_SHORT) {
         mp_raise_msg_varg(&mp_type_ValueError, text, (int)line);
     }
@@ -158,7 +158,7 @@ static size_t area(const smr_rect *window) {
     return (size_t)window->width * window->height;
 }
 
-// Shared memory for gray pixels, valid until the next call.
+// Returns shared memory for `size` gray pixels, valid until the next call of this function.
 static uint8_t *pixels(size_t size) {
     if (SHARED->size < size) {
         m_del(uint8_t, SHARED->pixels, SHARED->size);
@@ -402,7 +402,7 @@ static mp_obj_t restore(size_t n_args, const mp_obj_t *args) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_VAR_BETWEEN(restore_obj, 2, 4, restore);
 
-// The window with index `which` as a tuple; None without a target or if it is empty.
+// The window with index `which` as a tuple; None if there is no target or the window is empty.
 static mp_obj_t window_of(mp_obj_t self_in, int which) {
     tracker_t *self = MP_OBJ_TO_PTR(self_in);
     smr_rect windows[2] = { { 0, 0, 0, 0 }, { 0, 0, 0, 0 } };
@@ -467,8 +467,8 @@ MP_DEFINE_CONST_OBJ_TYPE(smr_type_robust, MP_QSTR_Robust, MP_TYPE_FLAG_NONE, mak
 
 extern const mp_obj_module_t smr_module;
 
-// Called by every import that does not find smr in sys.modules. A soft reset clears sys.modules and the heap, so the
-// shared memory must be allocated anew. After `del sys.modules['smr']` the old trackers keep their own workspace.
+// Runs at every import that does not find smr in sys.modules. A soft reset clears sys.modules and the heap, so shared
+// memory must be allocated anew. After `del sys.modules['smr']` and an import, old trackers keep their workspace.
 static mp_obj_t init(void) {
     MP_STATE_VM(smr_shared) = m_new0(shared_t, 1);
     mp_obj_dict_store(MP_OBJ_FROM_PTR(&MP_STATE_VM(mp_loaded_modules_dict)), MP_OBJ_NEW_QSTR(MP_QSTR_smr), MP_OBJ_FROM_PTR(&smr_module));

@@ -1,4 +1,4 @@
-//! The class `Recording`, which reads every source that host-sim reads, and the computation of host-sim's figures.
+//! The class `Recording`, which reads every source that host-sim reads, and the scores and tables of `host-sim eval`.
 
 use crate::answer::to_python;
 use crate::frame::refused;
@@ -85,7 +85,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Decodes the first `count` frames; none of a live source.
+    /// Returns the first `count` frames, decoded. Reads nothing from a live source and returns an empty list for it.
     fn first(&self, py: Python<'_>, count: usize) -> PyResult<Vec<Frame>> {
         let read = || open(&self.path)?.frames.take(count).collect::<anyhow::Result<_>>();
         if self.is_live { Ok(Vec::new()) } else { py.detach(read).map_err(refused) }
@@ -118,7 +118,7 @@ impl Recording {
         Ok(self.first(py, 1)?.first().map(|first| (first.gray.width, first.gray.height)))
     }
 
-    /// Frames per second, by the times of the first frames; None for a live source or without times.
+    /// Frames per second, from the times of the first 31 frames. None for a live source or with fewer than two times.
     #[getter]
     fn fps(&self, py: Python<'_>) -> PyResult<Option<f64>> {
         let times: Vec<f64> = self.first(py, 31)?.iter().filter_map(|frame| frame.seconds).collect();
@@ -160,7 +160,7 @@ impl Recording {
         Ok(Decoded(Mutex::new(ProcessLocal::new(py.detach(opened).map_err(refused)?))))
     }
 
-    /// Scores any tracker's boxes: the figures of `host-sim eval`, as a dict by their names.
+    /// Scores the boxes of any tracker. Returns the figures of `host-sim eval` as a dict from name to value.
     ///
     /// `boxes` has (x, y, width, height) in pixels for each frame, or None where the tracker has no answer. Raises
     /// ValueError without ground truth, or if the number of boxes differs from it.
@@ -180,7 +180,7 @@ impl Recording {
 #[pyclass(frozen)]
 struct Decoded(Mutex<ProcessLocal<Sequence>>);
 
-/// Returns the next frame as `[rows, columns, bytes per pixel]` and its bytes; `None` after the last frame.
+/// Returns the shape `[rows, columns, bytes per pixel]` and the bytes of the next frame; `None` after the last frame.
 fn next(sequence: &mut Sequence) -> anyhow::Result<Option<([usize; 3], Vec<u8>)>> {
     let Some(frame) = sequence.frames.next().transpose()? else {
         let ended = sequence.source.live().and_then(|live| live.ended());
@@ -230,8 +230,8 @@ fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }
 
-/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as a dict of columns.
-/// `starts` has the meaning and values that `smr.evaluate`, which takes many recordings, documents.
+/// Measures trackers on one recording. Returns the table `measured` of `host-sim eval --robustness` as a dict of
+/// columns. `starts` is 'given', 'near' or the number of frames between starts, as documented at `smr.evaluate`.
 #[pyfunction]
 pub fn measure<'py>(
     py: Python<'py>,

@@ -11,7 +11,7 @@ use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, call
 use smr_evaluation::{MethodKind, Refused};
 use std::cell::RefCell;
 
-/// The paper's tracker with the capacity that host-sim gives it.
+/// The paper's tracker with host-sim's limits on the pixels of a template and the offsets of a search window.
 type Paper = smr_evaluation::Paper;
 type PaperWorkspace = paper::Workspace<{ smr_evaluation::MOST_PIXELS }, { smr_evaluation::MOST_OFFSETS }>;
 
@@ -20,7 +20,7 @@ pub enum Target {
     Robust(Box<Robust>),
 }
 
-/// Scratch memory for any number of targets, used by one call at a time.
+/// Scratch memory for `lock` and `update`. Any number of targets can share it, but only one call at a time may use it.
 #[derive(Default)]
 pub struct Scratch {
     paper: Option<Box<PaperWorkspace>>,
@@ -90,7 +90,7 @@ impl Target {
     pub fn check(&self, pixels: &Pixels<'_>) -> PyResult<()> {
         let frame = pixels.corner()?;
         match each!(self, of => calls::check(&**of, &frame)) {
-            // `frame` has only one pixel in memory. The core checks the window last: every other check has passed.
+            // Expected with only one pixel in memory. The core checks the window last, so all else has passed.
             Err(UpdateError::WindowNotInMemory) => Ok(()),
             checked => checked.map_err(not_updated),
         }

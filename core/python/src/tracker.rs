@@ -217,8 +217,8 @@ impl Robust {
     }
 }
 
-/// Updates all trackers of a `Group` on at most `threads` threads. Updates none if another thread is using one of them
-/// or if one would refuse the frame.
+/// Updates all trackers of a `Group` on at most `threads` threads. Updates no tracker if any tracker is in use by
+/// another thread or would refuse the frame.
 #[pyfunction]
 pub fn follow<'py>(
     trackers: Vec<Bound<'py, Tracker>>,

@@ -130,7 +130,7 @@ impl Format {
         self.convert(bytes, usize::try_from(window.x).unwrap_or(0), line.is_multiple_of(lines), row);
     }
 
-    /// Converts pixels of `line` from column `x` on. `is_upper` is false only for the lower line of a Bayer block.
+    /// Converts `line` into `gray`, from gray column `x` on. `is_upper` is false only for a Bayer block's lower line.
     fn convert(self, line: &[u8], x: usize, is_upper: bool, gray: &mut [u8]) {
         let from = |start: usize| line.get(start..).unwrap_or(&[]);
         match self {
@@ -287,7 +287,7 @@ impl Readout {
         self.next_needed().is_none()
     }
 
-    /// The frame with its windows, for a lock or an update. Lines below the windows need not have arrived.
+    /// The frame for `lock` or `update`, with its windows in memory. Lines below them need not have arrived.
     ///
     /// # Errors
     /// [`ReadoutError::LineMissing`] with the first missing line of a window, [`ReadoutError::BufferTooSmall`].

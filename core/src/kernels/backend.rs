@@ -71,7 +71,7 @@ pub(super) use super::plain as native;
 #[cfg(smr_swar)]
 pub(super) use super::swar as native;
 
-/// Instruction set of the kernels: similarity scores and sums of products. All sets return the same integers.
+/// Instruction set of the kernels, which compute scores and sums of products. All sets return the same integers.
 ///
 /// # Where pixels may be
 ///

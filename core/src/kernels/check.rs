@@ -29,7 +29,7 @@ pub const ROOM: usize = 64 * 1024;
 /// Miri is thousands of times slower: there only every 29th case is compared.
 const STEP: usize = if cfg!(miri) { 29 } else { 1 };
 
-/// Memory areas with test pictures at one edge. If accesses beyond the edge fault, reads beyond a picture do too.
+/// Memory areas with test pictures at one edge. If memory beyond it is inaccessible, reads beyond a picture fault.
 #[derive(Debug)]
 pub struct Areas<'a> {
     /// An area with pictures at its end, after which memory is inaccessible.
@@ -88,7 +88,7 @@ impl Noise {
 }
 
 /// Fills the areas with noise, for differences below and above a threshold. Bytes of `end` and of another area at the
-/// same index differ by at most 64 (modulo 256), but about a fifth of those in `start` differ by any amount.
+/// same index differ by at most 64 (modulo 256); about a fifth of `start` differs by any amount.
 fn fill(areas: &mut Areas<'_>) {
     let mut noise = Noise(1);
     for ((first, second), third) in areas.end.iter_mut().zip(&mut *areas.other_end).zip(&mut *areas.start) {
@@ -414,7 +414,7 @@ fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
             part_mut(areas.end, true, usize::from(width) * 9).fill(level);
             let template = picture(areas.end, true, (width, 9), width.into());
             let most = plain::scores::most(template, template);
-            // A bound may count up to two of the nine rows as fully similar: fewer than this floor needs.
+            // A bound may count up to two of the nine rows as fully similar, but `most / 4` needs more than two.
             let bound = scorer.bound(&blocks, template, most / 4);
             check(bound.is_some() == counts, "bound of a far group", backend, (width, column, level));
         }
@@ -540,7 +540,7 @@ pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares the kernels on filter weights, for numbers of weights that fill the last vector to different degrees.
+/// Compares the kernels on filter weights with formulas, for 0 to 20 weights, which fill the last vector differently.
 fn weights() {
     // Values at the limits of an `i32`, and near other powers of 2.
     const EXTREMES: [i32; 12] =
@@ -579,14 +579,14 @@ fn weights() {
     }
 }
 
-/// Compares the largest absolute value of `numbers`, and their quantised values for every shift up to 31 with which
-/// none exceeds +-8191.
+/// Compares the largest absolute value of `numbers` with the formula, and their quantised values for every shift up to
+/// 31 that takes this largest value below 8191.
 fn scaled(numbers: ScaledSums<'_>) {
     let ScaledSums { weights, factor, sums, left } = numbers;
     let number = |factor, (&weight, &sum): (&i32, &i32)| {
         ((i128::from(weight) * i128::from(factor)) >> 32) as i64 + (i64::from(sum) << left)
     };
-    // The absolute value of a number rounded toward zero, whereas `number` rounds it down.
+    // The absolute value, rounded toward zero. `number` rounds down, so for a negative value the product is negated.
     let size = |pair: (&i32, &i32)| match number(factor, pair) {
         number @ 0.. => number,
         _ => number(-factor, pair) - 2 * (i64::from(*pair.1) << left),

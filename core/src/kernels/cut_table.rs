@@ -14,7 +14,7 @@ pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 /// compute its absolute value.
 const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };
 
-/// Similarity by gray-level difference, 0 from a threshold on (step 2 of the method): kernels need no comparison.
+/// Similarity by gray-level difference, 0 from a threshold on (step 2 of the paper), so kernels need no comparison.
 ///
 /// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte, or one where
 /// [`Backend::Swar`](crate::similarity::Backend) is the fastest, and is recomputed when the threshold changes.

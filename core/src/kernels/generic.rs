@@ -663,7 +663,7 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
             // The last three lanes are incomplete. The next round computes them again.
             at += V::LANES - 3;
         }
-        // The last vector overlaps the one before. It needs all lanes complete, so it loads each row at four columns.
+        // The last vector overlaps the one before. To complete all lanes, loads at four columns replace shifts.
         let (mut lowest, mut highest) = (V::splat(u8::MAX), V::splat(0));
         for column in 0..4 {
             let ranges = column_ranges::<V>(&rows, last + column);

@@ -56,8 +56,8 @@ impl Layout {
         (last.checked_add(row)? <= cells).then_some(down)
     }
 
-    /// Rows of offsets that the plain loop computes for `pieces` when it replaces a faster loop, whose pieces of work
-    /// are not rows of offsets: all rows if `pieces` includes the first piece, else none.
+    /// Returns all rows of offsets if `pieces` starts at 0, else none. For the plain loop where it replaces a faster
+    /// loop whose pieces of work are not rows of offsets.
     #[allow(dead_code)] // for backends whose pieces are not rows of offsets
     pub(crate) fn all_rows_in_first_piece(self, pieces: Range<usize>) -> Range<usize> {
         if pieces.start == 0 { 0..self.span } else { 0..0 }

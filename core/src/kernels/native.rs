@@ -15,7 +15,7 @@ pub(crate) struct Interpolation<const N: usize> {
 }
 
 impl<const N: usize> Interpolation<N> {
-    /// Number of positions for a left sample in a row.
+    /// Number of indices that a left sample can have in a row: 0 to 511.
     pub(crate) const LEFT_SAMPLES: usize = LEFT_SAMPLES as usize;
 
     #[inline(always)]

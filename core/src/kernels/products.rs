@@ -100,7 +100,7 @@ impl Products {
 }
 
 /// Bytes of scratch memory for [`Dense::outputs`] at full speed: the DSP extension unpacks two patches of up to 216
-/// inputs to words. With less memory it computes one patch at a time.
+/// inputs each to 16-bit numbers, aligned to 4 bytes. With less memory it computes one patch at a time.
 #[cfg(feature = "refiner")]
 pub(crate) const SPARE: usize = 4 * 216 + 3;
 

@@ -114,8 +114,9 @@ impl<'a> Scorer<'a> {
     pub(crate) const BOUNDS_FOUR: bool =
         cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "arm")) || Self::RANGES_OF_ROWS;
 
-    /// Bit mask of the offsets whose score may reach `floor`, among the up to four neighbouring ones in `wanted`; see
-    /// [`Scores::candidates`]. Returns `wanted` if the template is too large or the patch too small.
+    /// Bit mask of the offsets in `wanted` (up to four neighbours) whose score may reach `floor`; see
+    /// [`Scores::candidates`]. Returns `wanted` if the template has more than `MAX_PIXELS` pixels, or if the patch has
+    /// fewer rows than the template or fewer than three more columns.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         let fits = u32::from(patch.width()) >= u32::from(template.width()) + 3 && patch.height() >= template.height();

@@ -37,7 +37,7 @@ impl<'a> Blocks<'a> {
 
 /// The similarity kernels. Their implementation in `plain/scores.rs` is the specification.
 pub(crate) trait Scores {
-    /// The score without a floor. Separate, so that a program that never uses a floor does not link the bounds.
+    /// The score without a floor. Separate from `score_at_least`: a program without floors then links no bounds.
     #[inline(always)]
     fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
         self.score_at_least(patch, template, 0).unwrap_or(0)

@@ -98,7 +98,8 @@ fn a_root_is_rounded_down() {
 #[test]
 fn means_are_exact() {
     for cells in 1..=9 {
-        // Energies below `cells << 10` pair every remainder with all values of the next ten bits; `large` goes further.
+        // Energies below `cells << 10` give the last of the three steps every remainder of the step before, with every
+        // value of the next ten bits. `large` adds some of up to 30 bits.
         let large = (0..30).flat_map(|places| [(1 << places) - 1, (1 << places) + cells / 2, (cells << 26) - 1]);
         for energy in (0..cells << 10).chain(large) {
             assert_eq!(mean_by_parts(energy, cells), energy / cells, "{energy} / {cells}");

@@ -1,4 +1,4 @@
-//! The camera model: converts positions in the picture to angles, and turns of the camera to motion of the picture.
+//! The camera model: converts positions in the picture to angles, and camera rotations to motion of the picture.
 
 use super::error::{PursuitConfigError, first_broken};
 use crate::FineRect;
@@ -35,8 +35,8 @@ impl Camera {
         }
     }
 
-    /// The angles right and up from the optical axis to the centre of `target`, in radians, each computed without the
-    /// other. At a tilt of t, a pan moves the picture only cos(t) times as far as at tilt 0, so panning takes longer.
+    /// The angles right and up from the optical axis to the centre of `target`, in radians: right from x alone, up from
+    /// y. At a tilt of t, a pan moves the picture only cos(t) times as far as at tilt 0, so panning takes longer.
     pub(super) fn error_radians(&self, target: FineRect) -> (f32, f32) {
         let x = middle(target.x, target.width) - self.principal_x_pixels;
         let y = middle(target.y, target.height) - self.principal_y_pixels;
@@ -56,7 +56,7 @@ impl Camera {
         // Beyond this slope the angle is pi / 2 in f32. micromath's atan squares the slope, which must not overflow.
         const RIGHT_ANGLE: f32 = 1e9;
         let slope = (offset_pixels / self.focal_length_pixels).clamp(-RIGHT_ANGLE, RIGHT_ANGLE);
-        // Not `F32Ext`: in test builds the standard library's `f32::atan` would win over it.
+        // `F32Ext` is not used, because in test builds the standard library's `f32::atan` would win over its `atan`.
         F32(slope).atan().0
     }
 

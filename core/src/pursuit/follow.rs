@@ -29,7 +29,7 @@ pub struct PursuitConfig {
     /// The time for which the head holds still after the target is lost, before it turns home. `f32::MAX`: never.
     pub hold_seconds: f32,
     /// The number of frames after a command, 0 to 3, that do not show its effect yet: 1 if the next frame is exposed
-    /// before the servos have turned. [`Pursuit::follow`] delays the motion that it reports by as many frames.
+    /// before the servos have turned. [`Pursuit::follow`] tells the tracker of each motion that many frames later.
     pub delay_frames: u8,
 }
 
@@ -87,7 +87,7 @@ pub struct Pursuit<P, T, L> {
 }
 
 impl<P, T, L> Pursuit<P, T, L> {
-    /// The angles that the head was last commanded to; home before the first call.
+    /// The angles that the head was last commanded to, or its home angles before the first command.
     #[must_use]
     pub const fn command(&self) -> Command {
         Command { pan_radians: self.pan.radians, tilt_radians: self.tilt.radians }
@@ -174,9 +174,9 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         self.turn_to(pan, tilt, false)
     }
 
-    /// The motion of the picture expected from the last frame to the next, right and down, in units of 1/256 pixel, to
-    /// be passed to [`Target::moved`]. Its cause is the turn of the head by the last command, or with a delay by the
-    /// command that came [`PursuitConfig::delay_frames`] commands earlier.
+    /// The expected motion of the picture from the last frame to the next, right and down, in units of 1/256 pixel, to
+    /// be passed to [`Target::moved`]. It is caused by the turn of the head at the last command or, with a delay, at
+    /// the command that was given [`PursuitConfig::delay_frames`] commands before the last.
     #[must_use]
     pub fn picture_motion(&self) -> (i32, i32) {
         let (right, up) = self.turns.get(usize::from(self.delay_frames)).copied().unwrap_or_default();

@@ -121,7 +121,7 @@ impl<P: SetDutyCycle> Joint<P> {
         Self { axis, servo, pin, radians: axis.home_radians }
     }
 
-    /// Writes the pulse for `radians`. If the pin fails, the stored angle stays: the next turn starts from it again.
+    /// Writes the pulse for `radians`. If the pin fails, the stored angle is kept, and the next turn starts from it.
     pub(super) fn turn_to(&mut self, radians: f32) -> Result<(), P::Error> {
         let duty = self.servo.duty(&self.axis, radians, self.pin.max_duty_cycle());
         self.pin.set_duty_cycle(duty)?;

@@ -4,7 +4,7 @@
 use crate::image::Image;
 use crate::kernels::deviation;
 
-/// The mean gray level of a patch (rounded) and the sum of absolute deviations from it (exact).
+/// The rounded mean gray level of a patch and the exact sum of absolute deviations from this rounded mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Contrast {
     pub(crate) pixels: u32,
@@ -18,7 +18,7 @@ impl Contrast {
     /// Stands for a contrast that is not known.
     pub(crate) const NONE: Self = Self { pixels: 0, mean: 0, deviation: 0, clipped: 0 };
 
-    /// Computes the contrast of at most 65537 pixels. 256 times the largest sum (65537 * 255) still fits in a `u32`.
+    /// Computes the contrast of at most 65537 pixels. 256 times the largest gray sum (65537 * 255) fits in a `u32`.
     #[inline(never)]
     pub(crate) fn of(pixels: Image<'_>) -> Self {
         let from = |level| {
@@ -51,7 +51,7 @@ impl Contrast {
 
 /// The largest possible mean absolute deviation (127.5, if half of the pixels are 0 and half are 255), rounded up.
 const MOST_DEVIATION: u32 = 128;
-/// A patch can show the target if it has at least 1 / `LARGEST_CONTRAST_RATIO` of the target's contrast.
+/// The largest ratio of the target's contrast to the contrast of a patch that may still show the target.
 pub(crate) const LARGEST_CONTRAST_RATIO: u32 = 4;
 
 #[cfg(test)]

@@ -59,7 +59,7 @@ impl Table {
         Ok(Self::exponential(scale))
     }
 
-    /// The similarity p of two pixels that differ by `difference` gray levels, in units of 1/65535.
+    /// The similarity p, in units of 1/65535, of two pixels that differ by `difference` gray levels.
     #[must_use]
     #[inline]
     #[allow(clippy::indexing_slicing)] // a u8 cannot be out of the bounds of 256 entries

@@ -31,7 +31,7 @@ impl State {
     /// All states, in the order of their codes.
     pub const ALL: [Self; 4] = [Self::Tracking, Self::Leaving, Self::Uncertain, Self::Lost];
 
-    /// The code of this state in saved targets, flight records and the C interface. It never changes.
+    /// The code of this state in saved targets, flight records and the C interface; the same in all versions.
     #[must_use]
     pub const fn code(self) -> u8 {
         self as u8
@@ -63,19 +63,19 @@ pub struct Answer {
     /// Confidence in the box. [`Paper`](crate::Paper): `ratio`, or 0 when lost. [`Robust`](crate::Robust): a running
     /// mean of 2/3 * `ratio` + 1/3 * min(2 * the filter's response, 1).
     pub confidence: u16,
-    /// Similarity of the template to the pixels at the peak of the search. [`Paper`](crate::Paper): the similarity
+    /// Similarity of the template to the patch at the peak of the search. [`Paper`](crate::Paper): the similarity
     /// matching ratio, which is the score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the
-    /// fourth lowest such ratio among the 16 tiles of the early (slowly learned) template; 0 if the pixels at the peak
-    /// have too little contrast or too many of them are clipped to 0 or 255.
+    /// fourth lowest of the similarity matching ratios of the 16 tiles of the early (slowly learned) template; 0 if the
+    /// patch has too little contrast or too many pixels that are clipped to 0 or 255.
     pub ratio: u16,
     /// The similarity matching ratio of the runner-up, the best offset outside the peak's neighbourhood; 0 if the
-    /// window does not reach beyond it. `None` from `Robust`, and if no decision depended on the runner-up: see
-    /// [`runner_up_always`](crate::paper::Config::runner_up_always).
+    /// neighbourhood covers the window. `None` from `Robust`, and from `Paper` if no decision depended on the
+    /// runner-up: see [`runner_up_always`](crate::paper::Config::runner_up_always).
     pub runner_up_ratio: Option<u16>,
     /// The threshold alpha of this frame, rounded up to whole gray levels: pixels that differ by less match. `None`
     /// from [`Robust`](crate::Robust), whose threshold follows the contrast of each patch.
     pub alpha: Option<u16>,
-    /// The target's size relative to the box at the lock, in units of 1/65536. [`Paper`](crate::Paper): always 65536.
+    /// The target's linear size relative to the locked box, in units of 1/65536. [`Paper`](crate::Paper): always 65536.
     pub scale: u32,
     /// True if the target was lost in the frame before and is found in this one.
     pub found_again: bool,
@@ -105,8 +105,8 @@ pub struct MostWork {
     pub update: u64,
     /// Upper bound of the work of a lock.
     pub lock: u64,
-    /// Upper bound of the work by which a step exceeds its grant, because a piece of work cannot be divided. Excludes a
-    /// lock of `Paper`, which is always one step, and the pass over the template (and the weights of `Robust`) at the
-    /// end of a call.
+    /// Upper bound of the work that a step does beyond its grant (`work`), because a piece of work cannot be divided.
+    /// Excludes a lock of `Paper`, which is always one step, and the pass over the template (with `Robust`, also over
+    /// the weights) in a call's last step.
     pub beyond_a_step: u32,
 }

@@ -2,8 +2,8 @@
 //!
 //! It processes four bits at a time with a table of 64 bytes: 120 bytes of flash, where usual crates take 1.5 KB.
 
-/// Entry i: the result of four one-bit steps of the CRC that begin at i. A step shifts right, then XORs the polynomial
-/// if it shifted out a 1.
+/// Entry i: the CRC register after four one-bit steps from the value i. A step shifts the register right, then XORs the
+/// polynomial if it shifted out a 1.
 #[allow(clippy::indexing_slicing)] // evaluated at compile time
 const TABLE: [u32; 16] = {
     let mut table = [0; 16];

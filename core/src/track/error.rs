@@ -37,7 +37,7 @@ errors! {
     LockError {
         /// The box has no pixels.
         BoxEmpty => "the box has no pixels: width and height must be at least 1",
-        /// The box is partly outside the frame.
+        /// The box is not wholly inside the frame.
         BoxOutsideFrame => "the box is not wholly inside the frame",
         /// The box has more than `PIXELS` pixels. Only from [`Paper`](crate::Paper).
         BoxTooLarge => "the box has more pixels than this tracker's template has room for",

@@ -56,11 +56,11 @@ impl Quality {
     }
 }
 
-/// The similarity matching ratio of a patch and its shifted copy; 65535 if they do not overlap.
+/// The similarity matching ratio of a patch and its shifted copy, in units of 1/65535; 65535 if they do not overlap.
 fn ratio(patch: Image<'_>, (right, down): (u16, u16), scorer: &Scorer<'_>) -> u16 {
     let (width, height) = (patch.width() - right, patch.height() - down);
     let moved = patch.crop(Rect::new(right.into(), down.into(), width, height));
-    // The moved patch is smaller. It is compared with the top left corner of the whole patch.
+    // `moved` is smaller than `patch`: the scorer compares it with the part of `patch` at the top left corner.
     let score = moved.and_then(|moved| scorer.score_at_least(patch, moved, 0));
     let pixels = u32::from(width) * u32::from(height);
     score.map_or(Table::ONE, |score| u16::try_from(score / pixels.max(1)).unwrap_or(Table::ONE))

@@ -209,7 +209,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     #[doc(hidden)]
     #[inline(never)] // one copy for both trackers
     pub fn lock_of(&mut self, frame: &Frame<'_>, locked: Rect, window: Rect) -> Result<(), E> {
-        // If the window is not in memory, the lock has failed and changed nothing: there is nothing to record.
+        // A lock whose `window` is empty or not wholly in memory has failed and changed nothing: nothing to record.
         let Some(pixels) = frame.patch(window) else { return Ok(()) };
         self.entry(Tag::Lock, 20 + window.area(), |entry| {
             entry.size(frame);
@@ -242,7 +242,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         self.window_of(frame, target.window().unwrap_or_default(), target.sweep_window().unwrap_or_default())
     }
 
-    /// [`Recorder::window`] with the target's windows; for the C interface.
+    /// Writes the entry of [`Recorder::window`] with `Target::window` and `Target::sweep_window`; for the C interface.
     ///
     /// # Errors
     /// The writer's.

@@ -23,7 +23,7 @@ const MAGIC: [u8; 3] = *b"SMR";
 const VERSION: u16 = 4;
 const HEAD: usize = 14;
 
-/// The size of a saved target without the state: the head, `numbers` values of the configuration, and the checksum.
+/// The size in bytes of a saved target without its state: head, `numbers` values of the configuration, and checksum.
 pub(super) const fn around(numbers: usize) -> usize {
     HEAD + 2 * numbers + 4
 }
@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The reason why a target was not restored. Stores a setting's index, so that a program need not contain all names.
+/// The reason why a target was not restored. Stores an index, not a name, so a program need not contain all names.
 pub(super) enum Refusal {
     Error(RestoreError),
     /// Index of the first value of the configuration that differs.

@@ -129,7 +129,7 @@ pub trait Settings: Numbers {
         Some(values)
     }
 
-    /// Restores a configuration from `table` and from the other values (`numbers`), as in a [record](crate::record).
+    /// Restores a configuration from its `table` and its other values, `numbers`, as in a [record](crate::record).
     ///
     /// # Errors
     /// [`ConfigError`] if the values are not those of a valid configuration.
@@ -166,7 +166,7 @@ pub enum Kind {
 /// The name that errors use for the reserved values of a record, which are always 1.
 const RESERVED_NAME: &str = "parts";
 
-/// The values of a configuration on which answers depend, in the order of a record, without the similarity table.
+/// The values of a configuration that affect the tracker's answers, except the similarity table, in a record's order.
 pub trait Numbers: Copy + Default {
     type Array: AsRef<[u16]> + AsMut<[u16]>;
     const COUNT: usize;
@@ -250,7 +250,7 @@ macro_rules! flat {
     };
 }
 
-/// For each type of a setting: its shape, its conversion from values, and its check.
+/// Code for one type of setting: its `Shape`, its conversion from `u16` values, or its range check.
 #[rustfmt::skip] // a line for each
 macro_rules! of_type {
     (shape bool) => { Shape::Switch };

@@ -112,7 +112,7 @@ pub trait Target: Steps {
     /// read out only these pixels and those of [`Target::sweep_window`]: see [`Frame::part`].
     fn window(&self) -> Option<Rect>;
 
-    /// A second window that the next update may read for a lost target; `None` in most frames, and from `Paper`.
+    /// A second window that the next update may read for a lost target. `None` in most frames, and always for `Paper`.
     fn sweep_window(&self) -> Option<Rect>;
 
     /// The box of the last answer, in units of 1/256 pixel; `None` before the first lock.
@@ -136,8 +136,8 @@ pub trait Target: Steps {
     fn saved_size(&self) -> Result<usize, SaveError>;
 
     /// Writes the target into `bytes` and returns the number of bytes written, [`Target::saved_size`]. They are the
-    /// same on every platform, and hold the target's state and the configuration, which `restore` compares with its
-    /// own.
+    /// same on every platform, and hold the target's state and its configuration. `restore` compares that configuration
+    /// with the one in use.
     ///
     /// # Errors
     /// [`SaveError`]. `bytes` are then unchanged.

@@ -187,7 +187,7 @@ pub mod calls {
         Ok(target.step_lock(workspace, frame, SEAL))
     }
 
-    /// Notes that `call` is under way, and grants its next step `work`. True if the call was not under way before.
+    /// Marks `call` as under way, and grants its next step `work` units. True if `call` was not under way before.
     fn begins<T: Steps>(workspace: &mut T::Workspace, call: Call, work: u32) -> bool {
         let under_way = T::under_way(workspace, SEAL);
         let begins = under_way.call != call;

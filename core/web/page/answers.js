@@ -1,7 +1,7 @@
 // Storage of the trackers' answers by target and frame number, compact enough for long videos.
 
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
-// Factors from the values of a row to the stored ones: the integers that stand for 1.0 in the trackers and figures.js.
+// Each column's factor from received to stored values: the integer that stands for 1.0 in the trackers and figures.js.
 const UNITS = { x: 1, y: 1, width: 1, height: 1, confidence: 65535, alpha: 1, ratio: 65535, scale: 65536, work: 1, runnerUpRatio: 65535 };
 const COLUMNS = Object.keys(UNITS);
 const LEAST = 1024;
@@ -72,7 +72,7 @@ export class Answers {
     }
   }
 
-  /** Returns { last }, a function: `last("ratio")` lists the ratios of the answers in the frames `first` to `last`. */
+  /** Returns an object whose method `last("ratio")` lists the ratios of all answers in frames `first` to `last`. */
   around(id, first, last) {
     const rows = this.#targets.get(id);
     const numbers = Array.from({ length: Math.max(last - first + 1, 0) }, (_, at) => first + at).filter((number) => rows?.state(number) !== undefined);

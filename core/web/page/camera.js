@@ -66,7 +66,7 @@ export class Camera {
     return this.#kept.keys().next().value;
   }
 
-  /** Returns the oldest and newest kept frame, the count of dropped frames, and the age of frame `number` in ms. */
+  /** Returns the oldest and newest kept frame number, count of dropped frames, and age of frame `number` in ms. */
   news(number) {
     const time = this.#kept.get(number)?.time ?? performance.now();
     return { live: { oldest: this.oldest, newest: this.last, dropped: this.#dropped, latency_ms: performance.now() - time } };

@@ -1,4 +1,4 @@
-// Finds the codec of a video file that the browser cannot play, by the file's first or last bytes.
+// Tells why the browser cannot play a video file: finds its codec or file type in the file's first or last bytes.
 
 // Number of bytes at a file's start and end that are searched for its codecs, which phones list at the end.
 const HEAD = 1 << 20, TAIL = 8 << 20;

@@ -29,7 +29,7 @@ export class Connection {
     return createImageBitmap(await (await asked(`frames/${number}.png?part=${x},${y},${width},${height}`)).blob());
   }
 
-  /** Saves the number of the shown frame in the session, for the next start. */
+  /** Saves the number of the shown frame in the session, for the next start of host-sim. */
   async place(frame) {
     await told("place", { frame });
   }
@@ -109,8 +109,8 @@ export class Connection {
   }
 }
 
-// Loads answers of one range in `parts`: from frame `now` on if a range contains it, else from the start of the first
-// range. Removes the loaded frames from `parts`.
+// Loads answers for one of the ranges `parts`: for the range that contains frame `now`, from `now` on, or else for the
+// first range, from its start. Removes the frames of the loaded answers from `parts`.
 async function answersOf(parts, now) {
   const isHere = ([, first, last]) => first <= now && now <= last;
   const [part] = parts.splice(Math.max(parts.findIndex(isHere), 0), 1);

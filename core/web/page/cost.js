@@ -1,5 +1,5 @@
-// Estimates the instructions of an update on a microcontroller: its work (comparisons or products) times the measured
-// instructions per unit of work.
+// Estimates the instructions of a tracker's update on a microcontroller: the update's work (comparisons or products)
+// times the measured instructions per unit of work.
 //
 // Measured on the recording `synthetic` with `smr-qemu ELF synthetic --machine mps2-an386` (Cortex-M4) and
 // `--machine mps3-an547` (Cortex-M55), with and without `--method robust`. For SMR, `smr` is the median frame, in which

@@ -20,9 +20,9 @@ export class Drag {
 
   /**
    * `page` has: size(), the frame's size or null; view(), the frame's visible part; start(), the box that the Enter key
-   * proposes; propose(box or null), which shows the box; lock(box, grip), which returns false to keep the box drawn;
-   * click(point); grip(point, reach), which returns { box, held }, the box at the point and its gripped part (see
-   * `gripOf`), or null.
+   * proposes; grip(point, reach), which returns a grip { box, held }, the box at the point and its gripped part (see
+   * `gripOf`), or null; propose(box or null, grip or null), which shows the box; lock(box, grip or null), which returns
+   * false to keep the box drawn; click(point).
    */
   constructor(canvas, page) {
     this.#canvas = canvas;
@@ -55,7 +55,7 @@ export class Drag {
     if (!event.isPrimary || event.button !== 0 || this.#page.size() === null) {
       return;
     }
-    // Capturing throws if the pointer has left already.
+    // Capturing the pointer throws if it is not active any more, such as a finger that was lifted.
     try {
       this.#canvas.setPointerCapture(event.pointerId);
     } catch {}

@@ -63,7 +63,7 @@ export function placeOf(frame, timeOf) {
   return time === null ? `frame ${frame}` : `${clock(time)} (frame ${frame})`;
 }
 
-/** Formats an event as `lost at 0:12.4`, or `lost at frame 311` if the time is unknown; after `name`, if given. */
+/** Formats an event as `lost at 0:12.4`, or as `lost at frame 311` if the time is unknown; puts `name`, if any, first. */
 export function sentence({ kind, frame, name }, timeOf) {
   const time = timeOf?.(frame) ?? null;
   return `${name === undefined ? "" : `${name} `}${kind} at ${time === null ? `frame ${frame}` : clock(time)}`;

@@ -50,7 +50,7 @@ function drawProgress(line, { id, name, done }, cancel) {
   }
 }
 
-/** If the file `name` was saved before tracking was complete, shows its number of frames, which its name states. */
+/** Shows the number of frames in the saved file `name`, which the name states if tracking was not complete. */
 export function drawTaken(place, name) {
   const [, frames, all] = /-(\d+)(?:-of-(\d+))?-frames\.\w+$/.exec(name) ?? [];
   byId("taken")?.remove();

@@ -14,7 +14,7 @@ export class Follower {
     };
   }
 
-  /** Sends a request to the worker by its name. A `picture` is transferred without a copy. */
+  /** Sends the worker the request named `request`, with the fields `of`. A `picture` is transferred without a copy. */
   ask(request, of = {}) {
     const ticket = this.#tickets++;
     this.#worker.postMessage({ request, ticket, ...of }, of.picture === undefined ? [] : [of.picture]);

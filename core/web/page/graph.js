@@ -42,8 +42,8 @@ export class Graph {
    * Draws `charts` over the frames from `first` to `last`. A chart is { place, title, most, digits, lines } or { place,
    * title, bands }: `place` is its parent element, `most` the upper end of the axis, `digits` the decimals of values. A
    * line or band is { title, look, isSecond, numbers, values, read }: `values` has one entry for each frame in
-   * `numbers`, which ascend; `read(at)`, if given, formats value `at`. `now` is the frame to mark, `hidden` the ranges
-   * [first, last] to shade, `named(frame)` a frame's label on the axis.
+   * `numbers`, which ascend; `read(at)`, if given, formats `values[at]`. `now` is the frame to mark, `hidden` the
+   * ranges [first, last] to shade, `named(frame)` a frame's label on the axis.
    */
   draw({ now = null, hidden = [], named = String, timeOf, ...shown }) {
     const hasChanged = shown.first !== this.#shown?.first || shown.last !== this.#shown?.last;
@@ -389,9 +389,9 @@ function drawLine(context, line, x, y, span) {
 }
 
 /**
- * Thins a line to at most twice `columns` columns, so that the count of points to draw does not grow with the
- * recording. Returns for each column the indices of its least and largest value in ascending order: one index if they
- * are equal, one null if the column has no values.
+ * Divides a line's values into at most 2 * `columns` parts, so that the count of points to draw does not grow with the
+ * recording. Returns the indices of each part's least and largest value in ascending order: one index if both indices
+ * are equal, one null if the part has no values.
  */
 export function thinned({ numbers, values }, { from, to }, columns) {
   const [first, end] = [Math.max(placeIn(numbers, from) - 1, 0), Math.min(placeIn(numbers, to) + 1, numbers.length)];

@@ -82,7 +82,7 @@ export class Local {
     this.#source.stop();
   }
 
-  /** Returns { name, bytes } of a file: all targets' boxes as "csv" or "json", else the flight record of `chosen`. */
+  /** Returns a file { name, bytes }: all targets' boxes for `format` "csv" or "json", else `chosen`'s flight record. */
   async boxes(format, chosen) {
     const { method, options } = this.#following.using;
     const { name, last, live } = this.#source;

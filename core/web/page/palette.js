@@ -19,7 +19,7 @@ function read() {
   return Object.fromEntries(NAMES.map((name) => [name, page.getPropertyValue(`--${name}`).trim()]));
 }
 
-/** Returns { onFrame, onPage, dash }: colors on a frame and on the page, and dashes, of the CSS class `look-NAME`. */
+/** Reads the CSS class `look-NAME`: returns its colors on a frame and on the page, and its dashes (pixels). */
 export function lookOf(name) {
   if (!looks.has(name)) {
     looks.set(name, readLook(name));

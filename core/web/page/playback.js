@@ -146,7 +146,7 @@ export class Playback {
   }
 
   // Handles a loaded picture. While the requested frame is loading, shows any picture that is nearer to it than the
-  // shown one. Always shows a camera's first picture, although the request has moved on to a later frame by then.
+  // shown one. Shows a camera's first loaded picture even if a later frame is requested by then.
   #came(number) {
     const isNearer = this.shown === null ? this.#page.isLive() : Math.abs(number - this.frame) < Math.abs(this.shown - this.frame);
     if (number === this.frame || isNearer) {

@@ -11,7 +11,7 @@ const SHADOW = "rgb(0 0 0 / .55)";
 const LETTERS = 14, LEAST_LETTERS = 11;
 const HANDLE = 9;
 const WIDE_HANDLE = 16; // for fingers
-// Enlargement from which a picture is drawn without smoothing, so that its pixels are visible.
+// Least width of a picture's pixel, in canvas pixels, at which the picture is drawn unsmoothed to show its pixels.
 const SMOOTH = 4;
 
 /** Draws `drawFrame`'s scene on a whole canvas of the page, at the screen's resolution. */
@@ -26,8 +26,9 @@ export function drawStage(canvas, scene) {
  * Draws a frame and boxes on a canvas area of `width` by `height`. `size` is the size of the frame. `view` is the
  * rectangle in the frame's coordinates that fills the area; it may extend beyond the frame. `under(context, placed)`
  * draws what lies below the boxes; `placed(box)` converts a box to canvas pixels. `boxes` are { box, color, dash,
- * words, isChosen, isLast, hasHandles }; `isLast` marks a box from an earlier frame. `words` are { text, color } for
- * the corner. `proposed` is the box that the user draws, or null.
+ * words, isChosen, isLast, hasHandles }: `words` is the box's label, `isLast` marks a box from an earlier frame. The
+ * scene's own `words` are the parts { text, color } of the text in the corner. `proposed` is the box that the user
+ * draws, or null.
  */
 export function drawFrame(context, { width, height }, { picture, size, view = { x: 0, y: 0, ...size }, under = () => {}, boxes, words = [], proposed = null, color = "#fff" }) {
   const scale = width / view.width;

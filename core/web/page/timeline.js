@@ -74,7 +74,7 @@ export class Timeline {
   #hasKeys = true; // the user moves the head by keys
   #drawing = null;
 
-  /** `page` has goTo(frame), for when the user moves the head, and optionally hover(frame or null, x in pixels). */
+  /** Calls `page.goTo(frame)` when the user moves the head, and `page.hover(frame or null, x in pixels)` if given. */
   constructor(place, page) {
     this.#page = page;
     // The visible canvas lies below a transparent input, which provides keys and accessibility.

@@ -6,9 +6,9 @@ import { htmlNode } from "./dom.js";
 
 // Assumed time in seconds from a picture to the next, until it is measured.
 const LIKELY_STEP = 1 / 30;
-// Time between two pictures, as a factor of the usual one, above which a picture may have been skipped.
+// Time between two pictures, as a multiple of the usual time, above which a picture may have been skipped.
 const GAP = 1.5;
-// Longest time for which a picture is shown, as a factor of the usual time; more than 1, because times are rounded.
+// Longest time for which a picture is shown, as a multiple of the usual time; more than 1, because times are rounded.
 const SLACK = 1.25;
 // Ratio of the mean to the shortest time between pictures, above which a video's frames count as uneven.
 const UNEVEN = 1.2;
@@ -58,7 +58,7 @@ export class Video {
   #part = 1; // of the speed, so that no picture is skipped
   #unskipped = 0; // pictures since one was skipped
 
-  /** `failed(text)` is called with the reason if the file ends early. `like` is another open decoder of this file. */
+  /** Calls `failed(text)` with the reason if the file ends early. Shares the data of `like`, a decoder of this file. */
   constructor(file, failed, like = null) {
     [this.#file, this.#failed] = [file, failed];
     this.#video = htmlNode("video", { class: "decoder", playsinline: "" });
@@ -152,7 +152,7 @@ export class Video {
     URL.revokeObjectURL(this.#address);
   }
 
-  // Number of the picture that is available without a seek; null at the end.
+  // Number of the picture that comes next without a seek; null at the end.
   get #next() {
     return this.#queue[0]?.number ?? (this.#isEnding ? null : this.#last.number + 1);
   }
@@ -190,7 +190,7 @@ export class Video {
     });
   }
 
-  // Loads the file again: after an error a browser does not play it any more, and no seek ends.
+  // Loads the file again, because after an error a browser neither plays it further nor completes a seek.
   #reload() {
     [this.#turn, this.#seeks] = [Promise.resolve(), 0];
     this.#stopped.abort();
@@ -245,8 +245,8 @@ export class Video {
     });
   }
 
-  // Measures the mean time between pictures over more and more of them, because a file may round times to milliseconds.
-  // Each mean is precise enough to count the pictures of the next, longer span.
+  // Measures the mean time between pictures over longer and longer spans, because a file may round times to
+  // milliseconds. Each mean is precise enough to count the pictures of the next span.
   async #average(start) {
     this.#known.mean = { step: this.#known.step, count: 1 };
     for (let count = 4; start + count * this.#known.mean.step < this.#video.duration; count *= 4) {
@@ -321,7 +321,7 @@ export class Video {
     return found;
   }
 
-  // Waits until the shown picture is available: on a busy machine a seek may end earlier.
+  // Waits for the shown picture and returns it: on a busy machine, a seek may end before the picture is available.
   async #there() {
     for (let waits = 0; waits < WAITS_FOR_ANY && !this.#stopped.signal.aborted; waits++) {
       const found = this.#shown();
@@ -337,8 +337,8 @@ export class Video {
     return Promise.race([new Promise((resolve) => this.#video.requestVideoFrameCallback(resolve)), wait(LATE_MS)]);
   }
 
-  // True if `found` may still be from before the seek to `time`: the picture at `before` or, if the browser played on a
-  // little, the picture after that. Always true if timestamps are not in microseconds.
+  // True if `found` may still be from before the seek to `time`: not the picture at `time`, but the one at `before` or,
+  // as the browser may have played on, a neighbour. Always true if timestamps are not in microseconds.
   #isLate(found, before, time) {
     const step = this.#known.step ?? LIKELY_STEP;
     const isThere = found.time <= time + TIME_EPSILON && time < found.time + SLACK * step;
@@ -357,7 +357,7 @@ export class Video {
     return { picture, time: this.#mediaTime, close: () => picture.close() };
   }
 
-  // Seeks to the picture after the one at `time`, and returns it; null if none follows within 60 to 120 seconds.
+  // Seeks to the picture after the one at `time`, and returns it; null if none is within reach (60 to 120 seconds).
   async #after(time) {
     const end = Math.min(this.#video.duration, time + 60);
     let reach = GAP * (this.#known.step ?? LIKELY_STEP);
@@ -457,7 +457,7 @@ export class Video {
     this.#send();
   }
 
-  // Delivers the requested picture. Queued pictures before it are obsolete: a seek has gone past them.
+  // Delivers the requested picture. Closes any queued before it, which come from an earlier seek.
   #send() {
     while (this.#asked !== null && this.#queue.length > 0) {
       const { number, picture, time } = this.#queue.shift();

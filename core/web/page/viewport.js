@@ -15,7 +15,7 @@ export class Viewport {
   #page;
   #pointers = new Map(); // places of fingers, and of a mouse with its middle button, by their number
 
-  /** `page` has size(), the frame's size or null; changed(), for a new view; pinched(), for two touching fingers. */
+  /** `page` has size(), the frame's size or null; changed(), for a new view; pinched(), for a second finger's touch. */
   constructor(canvas, page) {
     [this.#canvas, this.#page] = [canvas, page];
     canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });

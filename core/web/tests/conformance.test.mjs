@@ -9,8 +9,8 @@ import { Recorder } from "../record.js";
 import { State } from "../smr.js";
 import { PROJECT, libraries } from "./library.mjs";
 
-// Options of the paper's tracker (P) and of the robust one (R), in the order of the flight record. Each has the count
-// of its 16-bit numbers.
+// Options of the paper's tracker (P) and of the robust one (R), in the order of the flight record. Each value is the
+// count of 16-bit numbers in that option.
 const OPTIONS = {
   P: {
     k: 2, gateTracking: 2, gateLeaving: 2, gateReturning: 2, gateLost: 2, gateLead: 1, leastRatio: 1, firstThreshold: 1, leastThreshold: 1, padding: 1,

@@ -80,7 +80,7 @@ export function* frames({ width = 160, height = 120, side = 24, down = side, spe
   }
 }
 
-/** Returns the frame with made-up colors: each pixel's red, green and blue differ, so its gray changes. */
+/** Returns a gray frame as RGBA with made-up colors; converted back, most pixels differ from the original gray. */
 export function colored({ data, width, height, box }) {
   const channel = (level, at) => [level, 255 - level, (level * 7 + at) & 255, at & 255];
   return { data: Uint8ClampedArray.from({ length: 4 * data.length }, (_, at) => channel(data[at >> 2], at >> 2)[at & 3]), width, height, box };

@@ -42,7 +42,7 @@ test("the module draws the built-in recording as host-sim does", { skip: HOST_SI
   }
 });
 
-/** Tracks a target up to frame `last`, refusing a lock on the box `bad`; returns the steps, as "lock 2 3 gone 4". */
+/** Tracks up to frame `last`; a lock on the box `bad` fails. Returns the steps: "lock 2 3" is a lock and an update. */
 function dues(target, last, bad) {
   const seen = [];
   for (let { next } = target; next <= last; { next } = target) {

@@ -60,7 +60,7 @@ function memory(parent) {
   return Math.round(kilobytes.reduce((sum, one) => sum + one, 0) / 1024);
 }
 
-/** Returns processor times in ms: `page` of pages' main threads, `worker` of workers, `all` of the whole browser. */
+/** Returns processor times so far in ms: `page` (main threads of pages), `worker` (web workers), `all` (everything). */
 function processor(parent) {
   const sum = { page: 0, worker: 0, all: 0 };
   for (const pid of family(parent)) {

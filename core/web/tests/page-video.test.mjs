@@ -39,8 +39,8 @@ const CODE = `(() => {
   return Array.from({ length: 8 }, (_, bit) => bright(bit) << bit).reduce((sum, one) => sum + one);
 })()`;
 
-// Opens a video and waits until the page shows frame 1 of `length` frames, by default of any number of frames. The page
-// estimates the number until all frames are decoded.
+// Opens a video and waits until the page says "frame 1 of `length`". The default accepts any length, because the page
+// only estimates it until all frames are decoded.
 async function open(page, file, length = "\\d+") {
   await choose(page, file);
   await page.until(`document.getElementById("name").textContent === ${JSON.stringify(basename(file))} && /^frame 1 of ${length}, 0:00.0$/.test(document.getElementById("place").value)`);

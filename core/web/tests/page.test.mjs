@@ -59,8 +59,8 @@ onPage("a camera: a box is dragged, 100 frames are followed, and host-sim agrees
   await settled(page);
   assert.ok((await answers(page)).at(-1).frame >= found.at(-1).frame);
   await replays(page, FRAMES);
-  // Marks the target as gone: earlier answers stay, though their frames are not kept. Then the built-in recording is
-  // opened.
+  // Marks the target as gone: its earlier answers stay, even for frames that the page no longer keeps. Then opens the
+  // built-in recording.
   await page.click("#newest");
   await page.until(`${NUMBER} >= ${first + 800}`);
   await page.click("#gone");

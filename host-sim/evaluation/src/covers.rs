@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 const FRAMES: usize = 300;
 const MAX_TRACKING_FRAMES: usize = 2;
-/// Number of the covered frame, counted from 1, by which a tracker must have reported *lost*.
+/// Latest covered frame, counted from 1, in which a tracker's first report of *lost* still meets the goal.
 const LOST_BY: usize = 30;
 const RECOVERY_FRAMES: usize = 10;
 
@@ -50,8 +50,8 @@ struct Row {
     recordings: Vec<Counts>,
 }
 
-/// Runs every variant through every cover of the lens, inserted in the middle of each recording: those at `paths`, and
-/// the generated ones of `slow`.
+/// Runs every variant on the recordings at `paths` and on the generated recordings of the module `slow`. Each kind of
+/// cover is inserted in the middle of every recording, in a run of its own.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -182,7 +182,7 @@ impl Row {
     }
 }
 
-/// Returns a table of all runs, a table with a row for each tracker and cover, and a line for each missed goal.
+/// Returns a table of all runs, a table with a row per tracker and cover, and for each row, one line per missed `Goal`.
 fn tables(counts: &[Counts], variants: &[Variant]) -> Tables {
     let cases = variants.iter().flat_map(|variant| Cover::value_variants().iter().map(move |&cover| (variant, cover)));
     let row = |(variant, cover): (&Variant, Cover)| {

@@ -39,7 +39,7 @@ pub struct Evaluation {
     pub notes: Vec<String>,
 }
 
-/// Evaluates recordings in parallel, each on one thread; if `compares`, also scores the result files beside them.
+/// Evaluates recordings in parallel, each on one thread; if `compares`, also scores result files beside a recording.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -122,8 +122,8 @@ impl Evaluation {
         }
     }
 
-    /// Returns four tables: scores; their means; correct frames as printed in the paper; all correct frames, printed or
-    /// measured. In each, result files come last.
+    /// Returns four tables: scores; their means over recordings; counts of correct frames, printed in the paper; counts
+    /// of correct frames, printed and measured. In each table, result files come last.
     pub fn tables(all: &[Self]) -> Tables {
         let origin = Head::all(Origin::COLUMNS);
         let figures = Score::FIGURES.iter().map(|of| Head::new(of.key, of.title, of.digits)).collect();

@@ -1,4 +1,4 @@
-//! Test of camera faults: states during a fault, frames until the box is right again, *tracking* while it is wrong.
+//! Test of camera faults: counts states during a fault, frames from its end to a right box, and false *tracking*.
 //!
 //! A fault is inserted at several frames of a recording, in a run each. The tracker is locked on the ground truth
 //! `LEAD` frames before the fault, and runs until `WATCHED` frames after it. The same runs without a fault are the
@@ -135,8 +135,8 @@ impl Protocol for Faults<'_> {
     }
 }
 
-/// Returns the frames in which faults begin, with the box for the lock `LEAD` frames earlier. They are spread evenly
-/// over all frames that allow a fault: the target is visible there, one frame earlier and at the lock.
+/// Returns the frames where faults begin, with the box for the lock `LEAD` frames earlier. The frames are spread evenly
+/// over all with room for the longest fault and a target visible there, one frame before and, wholly, at the lock.
 fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
     let visible = |frame: usize| recording.truth.get(frame).is_some_and(Option::is_some);
     let bounds = recording.bounds();
@@ -255,7 +255,7 @@ mod tests {
 
     fn open(name: &Path) -> Result<Sequence> {
         let mut sequence = smr_recordings::open(name, &OpenOptions::default())?;
-        // The start box stands for missing ground truth in every frame: it may be wrong, but no tracker may panic.
+        // Without ground truth, the start box is the truth of every frame: it may be wrong, but no tracker may panic.
         let still = vec![sequence.init; sequence.length.unwrap()];
         sequence.truth.get_or_insert(still);
         Ok(sequence)

@@ -41,7 +41,7 @@ pub(super) trait Protocol: Sync {
     /// True if a recording counts only if every tracker was measured on it.
     const IS_COMMON: bool;
 
-    /// Returns the runs of each tracker on the recording with index `place`.
+    /// Returns the cases to run with each tracker on the recording with index `place`.
     fn cases(&self, place: usize, recording: &Recording) -> Result<Vec<Case>>;
 
     fn figures(&self, variant: &Variant, recording: &Recording, case: &Case, run: &Run) -> Result<Self::Figures>;
@@ -64,7 +64,7 @@ pub(super) struct Case {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Intervention {
     None,
-    /// A camera fault. The fields are first frame number, end (exclusive), fault, simulation for fault `away`.
+    /// A camera fault. The fields are its first frame, the frame after its last, the fault, and data for fault `away`.
     Fault(usize, usize, Fault, Away),
     /// A covered lens: inserts covered frames before a frame of the recording. The fields are the number of this frame,
     /// the number of covered frames, the cover, and a frame of another scene.
@@ -105,7 +105,7 @@ struct Held {
     cases: Vec<Case>,
 }
 
-/// Runs every variant through all cases (starts or faults) of `count` recordings; `open` opens a recording by index.
+/// Runs every variant through all cases of `count` recordings; `open` opens a recording by index.
 ///
 /// Recordings, variants and cases run in parallel. Records are sorted by recording, then in the order of `variants`. If
 /// a case fails, its variant has no record of the recording. After a signal only complete records are returned.

@@ -54,7 +54,7 @@ impl Curves {
         Self { success: curve(&counts.above), precision: curve(&counts.within) }
     }
 
-    /// Returns the mean over recordings of equal weight; `None` without recordings.
+    /// Returns the mean curves, with all recordings weighted equally; `None` without recordings.
     pub fn mean(of: &[&Self]) -> Option<Self> {
         let mean = |curve: fn(&Self) -> &Vec<f64>| means(&of.iter().map(|one| curve(one).clone()).collect::<Vec<_>>());
         (!of.is_empty()).then(|| Self { success: mean(|one| &one.success), precision: mean(|one| &one.precision) })

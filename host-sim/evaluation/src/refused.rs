@@ -16,7 +16,7 @@ pub struct Refused {
 }
 
 impl Refused {
-    /// Converts a [`LockError`] to a [`Refused`] of the box `target` and the bounds `frame`; keeps any other error.
+    /// Converts a [`LockError`] to a [`Refused`] for box `target` in a frame of bounds `frame`; keeps other errors.
     pub fn or(error: Error, kind: MethodKind, target: Rect, frame: Rect) -> Error {
         match error.downcast_ref::<LockError>() {
             Some(&why) => Self { kind, target, frame, why }.into(),

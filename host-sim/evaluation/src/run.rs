@@ -13,7 +13,7 @@ pub struct Follower<M: Method + ?Sized = dyn Method> {
     /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
     pub method: Box<M>,
-    /// Remaining frame numbers, each with a box to lock on, or with `None`: the target is gone until the next box.
+    /// Entries still to come: a frame number and a box to lock on, or `None`: the target is gone until the next box.
     starts: std::iter::Peekable<std::vec::IntoIter<(usize, Option<Rect>)>>,
     is_there: bool,
 }
@@ -31,7 +31,7 @@ impl Follower {
 }
 
 impl<M: Method + ?Sized> Follower<M> {
-    /// Creates a follower that locks on each box of `starts` in its frame, or else in the next frame that arrives.
+    /// Creates a follower. It locks on each box of `starts` in the box's frame; if that is missing, in the next frame.
     pub fn new(method: Box<M>, starts: Vec<(usize, Option<Rect>)>) -> Self {
         Self { name: None, method, starts: starts.into_iter().peekable(), is_there: false }
     }
@@ -58,7 +58,7 @@ impl<M: Method + ?Sized> Follower<M> {
         self.method.quality()
     }
 
-    /// Returns the frame number of the next entry of `starts`: a box to lock on, or the target is gone from there on.
+    /// Returns the number of the next frame with an entry in `starts`: a box to lock on, or `None` (target gone).
     pub fn next_start(&mut self) -> Option<usize> {
         self.starts.peek().map(|(frame, _)| *frame)
     }

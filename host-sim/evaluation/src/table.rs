@@ -80,7 +80,7 @@ pub fn cells<T>(columns: &[Column<T>], row: Option<&T>) -> Vec<Value> {
     columns.iter().map(|(.., of)| row.map_or(Value::Null, of)).collect()
 }
 
-/// Returns an empty cell, for a column without a meaning in this row.
+/// Returns an empty cell, for a row in which the column has no meaning.
 pub fn blank() -> Value {
     "".into()
 }
@@ -93,7 +93,7 @@ pub struct Table {
     /// Number of leading columns aligned to the left; all others are aligned to the right.
     names: usize,
     heads: Vec<Head>,
-    /// Rows: for each, a flag (true if JSON and CSV contain the row, too) and its cells.
+    /// Flag and cells of each row; the flag is false if only text and Markdown show the row, not JSON and CSV.
     rows: Vec<(bool, Vec<Value>)>,
 }
 

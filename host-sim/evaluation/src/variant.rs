@@ -18,7 +18,7 @@ pub struct Configs {
     /// Settings of the paper's tracker; the baselines take window and padding from them.
     pub paper: Config,
     pub robust: robust::Config,
-    /// Approximate work of a step of an update, in units of `Tracker::work`; it changes no answer. Baselines ignore it.
+    /// Approximate work per step of an update, in units of `Tracker::work`. It changes no answer. Baselines ignore it.
     pub step: u32,
 }
 

@@ -64,8 +64,8 @@ mod tests {
         let truth = [right, at(3.0), None];
         let perfect = Vot { vot_f: 1.0, vot_precision: 1.0, vot_recall: 1.0, vot_threshold: None };
         let half = [right, right, wrong, wrong];
-        // If all four answers of `half` count, precision and recall are 1/2. If only the two right ones count
-        // (threshold 0.75), precision is 1.
+        // If all four answers of `half` count, precision and recall are 1/2. If only its two right answers count
+        // (threshold 0.75), precision is 1 and recall stays 1/2.
         let all = Vot { vot_f: 0.5, vot_precision: 0.5, vot_recall: 0.5, vot_threshold: None };
         let without = Vot { vot_f: 2.0 / 3.0, vot_precision: 1.0, vot_recall: 0.5, vot_threshold: Some(0.75) };
         let cases: [(&[_], &[_], &[_], Vot); 7] = [

@@ -1,5 +1,5 @@
-//! Simulates a target that leaves and returns: shows only scenery beside the target while it is gone, and the recording
-//! shifted after its return.
+//! Simulates a target that leaves and returns. While the target is gone, shows only a strip of each frame beside the
+//! target's place; afterwards, shows the frames shifted.
 
 use super::{BoundingBox, GrayFrame};
 use smr_core::Rect;
@@ -9,16 +9,16 @@ use std::ops::Range;
 pub struct Away {
     gone: Range<usize>,
     sides: [i32; 2],
-    /// Column range and row range of the strip beside the target, which is shown while the target is gone.
+    /// Column range and row range of the strip beside the target; only the strip is shown while the target is gone.
     strip: [Range<i32>; 2],
     /// Shift of the picture to the right and down in pixels, once the target has returned.
     shift: [i32; 2],
 }
 
 impl Away {
-    /// Chooses the strip and the shift. The strip is the largest between a side of the frame and the box around all
-    /// boxes of the target in the frames `gone` and the frame before them. The shift keeps the first box after `gone`
-    /// in the frame.
+    /// Chooses the strip and the shift. Each of the four possible strips lies between one side of the frame and the box
+    /// around all boxes of the target in the frames `gone` and the frame before them; the largest strip is chosen. The
+    /// shift keeps the first box after `gone` in the frame.
     pub fn new(truth: &[Option<BoundingBox>], gone: Range<usize>, frame: Rect) -> Self {
         let corners = |at: &BoundingBox| [[at.x, at.y], [at.x + at.width, at.y + at.height]];
         let corners: Vec<_> = truth[gone.start - 1..gone.end].iter().flatten().flat_map(corners).collect();
@@ -28,8 +28,8 @@ impl Away {
         let [w, h] = [frame.right(), frame.bottom()];
         let strips = [[0..seen.x, 0..h], [seen.right()..w, 0..h], [0..w, 0..seen.y], [0..w, seen.bottom()..h]];
         let strip = strips.into_iter().max_by_key(|[columns, rows]| columns.len() * rows.len()).unwrap_or_default();
-        // On one axis, shifts the target towards the border of the frame that takes it farther from where it was lost,
-        // by at most a quarter of the frame's side.
+        // Returns the shift on one axis: towards the border that takes the target farther from where it was lost, by at
+        // most a quarter of the frame's side, and not past that border.
         let shift = |lost: i32, start: i32, end: i32, side: i32| {
             let shifts = [-start, side - end].map(|shift| shift.clamp(-side / 4, side / 4));
             shifts.into_iter().max_by_key(|shift| (start + shift).abs_diff(lost)).unwrap_or(0)
@@ -80,8 +80,8 @@ mod tests {
 
     #[test]
     fn a_target_is_gone_and_back_elsewhere() {
-        // The largest strip is columns 9 to 15. The target is lost at (2, 3) and returns at (4, 3), shifted by 4 pixels
-        // to the right and 2 down.
+        // The largest strip is columns 9 to 15. The target is lost at (2, 3). On its return, it is at (4, 3) in the
+        // recording, and is shown 4 pixels farther right and 2 farther down.
         let (frame, truth, away) = away([[2, 3], [3, 4], [5, 4], [4, 3]]);
         let row = |index, row: usize| away.view(index, &frame).pixels[16 * row..][..16].to_vec();
         assert_eq!(row(1, 0), [9, 10, 11, 12, 13, 14, 15, 15, 14, 13, 12, 11, 10, 9, 9, 10]);
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(away.truth(&truth), [truth[0], None, None, Some([8, 5, 4, 2].into())]);
     }
 
-    /// Each case: position of the target, position in the recording of the pixel shown at the top left, and the shift.
+    /// Each case: position of the target, recorded position of the pixel shown at the top left, and the shift.
     #[test]
     fn the_camera_turns_to_each_side_and_the_box_stays_inside() {
         for (place, seen, shift) in

@@ -15,8 +15,8 @@ const HEIGHT: u16 = 84;
 const TARGET: (i32, i32) = (24, 28);
 const TWIN: (i32, i32) = (30, 20);
 
-/// Three numbers for each frame: left and top edge of the target in pixels, and the percentage of its twin's pixels
-/// that differ from the target (100: the frame has no twin).
+/// Three numbers for each frame: left and top edge of the target in pixels, and the percentage of pixels that differ
+/// between the target and its twin, a second copy (100: the frame has no twin).
 const SCRIPT: [i32; 75] = [
     40, 30, 100, 20, 30, 100, 19, 30, 100, 25, 20, 100, 25, 19, 100, 60, 54, 100, 60, 55, 100, 86, 40, 100, 87, 40,
     100, 84, 41, 100, 92, 40, 100, 80, 42, 100, 78, 40, 100, 76, 44, 16, 75, 45, 16, 74, 45, 8, 400, 400, 100, 400,

@@ -262,8 +262,8 @@ pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     }
 }
 
-/// Returns the box around the target in a run-length mask. The mask divides a rectangle of the picture, row by row,
-/// into runs of pixels, in turn of the background and of the target. The outer `None` means that the text is no mask.
+/// Returns the box around the target in a run-length mask. The runs go through a rectangle of the picture row by row,
+/// and are alternately background (first) and target. The outer `None` means that the text is no mask.
 fn mask(text: &str) -> Option<Option<BoundingBox>> {
     let numbers = text.split(',').map(|field| field.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
     let (&[x, y, width, height], runs) = numbers.split_first_chunk()?;

@@ -39,7 +39,7 @@ pub fn stopped_by() -> Option<i32> {
     Some(STOPPED.load(Ordering::SeqCst)).filter(|&signal| signal > 0)
 }
 
-/// After `stop_first`, records `signal`. Returns true if `signal` is the first one since, and only requests a stop.
+/// After `stop_first`, records `signal`. Returns true if it is the first signal since, which only requests a stop.
 fn asks_to_stop(signal: i32) -> bool {
     STOPS_FIRST.load(Ordering::SeqCst) && STOPPED.swap(signal, Ordering::SeqCst) == 0
 }
@@ -105,8 +105,8 @@ impl Process {
         locked(&self.child).stderr.take()
     }
 
-    /// Returns a receiver, which gets all text of standard error once that stream is closed. A process started by the
-    /// child may keep the stream open.
+    /// Returns a receiver, which gets all text of the child's standard error once that stream is closed. A process
+    /// started by the child may keep the stream open.
     pub fn said(&self) -> Receiver<String> {
         let (sender, said) = channel();
         if let Some(mut complaints) = self.complaints() {
@@ -193,7 +193,7 @@ fn is_ignored(signal: i32) -> bool {
 
 fn end_by(signal: i32) -> ! {
     ENDING.store(true, Ordering::SeqCst);
-    // Holds the lock to the end, so that nothing new is registered.
+    // Holds the lock until this process exits, so that nothing new is registered.
     let resources = locked(&RESOURCES);
     // Kills processes first, because they write into the files.
     for resource in resources.values() {

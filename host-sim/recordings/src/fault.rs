@@ -69,7 +69,7 @@ impl Fault {
     }
 
     /// Returns the faulty frame to show in place of `frame`, or `None` to drop it; `index` counts from the first frame
-    /// of the fault. `before` is the last frame before the fault, `former` the frame before `frame`.
+    /// of the fault. `before` is the last frame before the fault, `former` the recorded frame before `frame`.
     pub fn of(
         &self,
         index: usize,

@@ -144,7 +144,7 @@ impl Ffmpeg {
     }
 }
 
-/// Size, time and flags of a picture, from the lines of ffmpeg's filter `showinfo`.
+/// Facts about a picture: size and time from ffmpeg's filter `showinfo`, the rest from ffmpeg's earlier messages.
 #[derive(Debug, PartialEq)]
 pub(super) struct Shown {
     pub size: (u32, u32),
@@ -162,7 +162,8 @@ struct Messages {
     packet: String,
     /// True if the size or pixel format changes between frames.
     changed: bool,
-    /// True after the first `[info]` message. Later lines without a level are ignored, as they continue a message.
+    /// True after the first `[info]` message. A line without a level is an error before then, and later ignored,
+    /// because it then continues a message.
     has_begun: bool,
     base: Option<(u32, u32)>,
     /// Names of HDR streams, such as `#0:1`, with their transfer functions.

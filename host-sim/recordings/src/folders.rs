@@ -6,8 +6,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Expands paths: a recording stays; any other folder becomes its subfolders of any depth that are recordings, in
-/// natural order.
+/// Returns the recordings at `paths`: each path that is a recording, and for any other folder, the recordings among its
+/// subfolders of any depth, in natural order.
 pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let found: Result<Vec<_>> = paths.iter().map(|path| of_path(path)).collect();
     Ok(found?.concat())

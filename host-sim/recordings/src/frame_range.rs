@@ -18,7 +18,7 @@ impl FrameRange {
         Self { first, last: None }
     }
 
-    /// Renumbers the range so that frame `first` becomes 1; an end of the range before that frame becomes 1 too.
+    /// Renumbers the range so that frame `first` becomes 1; a start or end before that frame becomes 1 too.
     pub fn counted_from(&self, first: usize) -> Self {
         let shifted = |number: usize| (number + 1).saturating_sub(first).max(1);
         Self { first: shifted(self.first), last: self.last.map(shifted) }

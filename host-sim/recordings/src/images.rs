@@ -126,7 +126,7 @@ pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
 /// 16 bits reach only level 63.
 const MIN_LEVELS: usize = 64;
 
-/// One pixel in this many may be dead, so this share of values is ignored at each end of the histogram.
+/// Count of pixels of which one may be dead; so 1 / `PIXELS_PER_DEAD` of the values is ignored at each histogram end.
 const PIXELS_PER_DEAD: u64 = 10_000;
 
 /// Returns a note if 16-bit pictures use few levels, judged by the first, middle and last of `pictures`.

@@ -95,7 +95,7 @@ impl Index {
 /// Difference in seconds below which two times are equal.
 const SAME: f64 = 1e-6;
 
-/// Returns the number of frames of a file; `None` if only decoding the whole file would show it.
+/// Returns the number of frames in a file; `None` if only decoding the whole file would give this number.
 pub(super) fn count(file: &Path, patience: Duration) -> Option<usize> {
     if let Packets::Frames(times) = packets(file, patience) { Some(times.len()) } else { None }
 }

@@ -1,4 +1,4 @@
-//! Decodes JPEG pictures by zune-jpeg, up to their end marker, which a film or a second picture may follow.
+//! Decodes JPEG pictures with zune-jpeg, up to the end marker; a video clip or a preview may follow the marker.
 
 use super::damage::damaged;
 use super::samples::{EXIF, EXPECTED, Samples, check_size, orientation, several, unread};
@@ -45,7 +45,7 @@ struct Layout {
 struct Frame {
     marker: u8,
     sizes: [u8; 6],
-    /// True if a color component has a vertical sampling factor above 1, as in vertical subsampling.
+    /// True if a component (usually luma) has a vertical sampling factor above 1, so that others may have fewer rows.
     has_fewer_rows: bool,
 }
 

@@ -83,7 +83,7 @@ pub struct Frame {
     pub color: Option<ColorFrame>,
     /// Presentation time and pixel aspect, for a video written from the color frames.
     pub moment: Option<Moment>,
-    /// Luma and chroma planes of a live source, which cannot be read a second time.
+    /// Luma and chroma planes of the frame, kept only for a live source, because it cannot be read a second time.
     pub planes: Option<Planes>,
 }
 
@@ -163,7 +163,7 @@ impl Sequence {
     }
 
     fn streamed(name: String, frames: impl Iterator<Item = Result<Frame>> + Send + 'static, source: Source) -> Self {
-        // A pipe may deliver frames at another rate than its Y4M header states, so times by that rate are dropped.
+        // A pipe may not keep to the frame rate in its Y4M header, so times computed from that rate are dropped.
         let has_times = !matches!(source, Source::Once);
         let timed = move |frame: Frame| Frame { seconds: frame.seconds.filter(|_| has_times), ..frame };
         let frames = damage::frames(frames.map(move |frame| frame.map(timed)), name.clone());

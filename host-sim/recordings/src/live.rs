@@ -99,7 +99,7 @@ impl Live {
     }
 }
 
-/// Builds the low-delay ffmpeg command. It writes full-range luma, as for videos, and chroma at half width and height.
+/// Builds the low-delay ffmpeg command. Luma is full-range, as for video files; chroma has half its width and height.
 fn command(address: &Path) -> Command {
     // Shortens the examination of the stream before the first frame, which by default takes ffmpeg five seconds.
     let options = ["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "2000000", "-f", "v4l2"];
@@ -114,7 +114,7 @@ fn without(text: String, secrets: &[String]) -> String {
     secrets.iter().fold(text, |text, secret| text.replace(secret, ""))
 }
 
-/// Waits for a newer frame than the last one. Ends with the source, or when a signal requests a stop.
+/// Waits for a frame newer than the one returned last. Ends when the source ends, or a signal requests a stop.
 impl Iterator for Live {
     type Item = Frame;
 

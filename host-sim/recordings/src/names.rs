@@ -21,7 +21,7 @@ fn stem(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A name that ends in a decimal number. The derived order compares field by field, exactly for any count of digits.
+/// A name that ends in a decimal number. The derived order compares fields in turn, exact for numbers of any length.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Decimal {
     /// Digits before the point, without leading zeros: their count, then the digits.
@@ -53,8 +53,8 @@ impl Decimal {
         })
     }
 
-    /// True if all names are decimal numbers with the same prefix. False if a name has a prefix and two or more digits
-    /// behind the point, the last a 0: `a1.10` is a counter.
+    /// True if all names have the same prefix. After a prefix, no fraction of two or more digits may end in 0: `a1.10`
+    /// is taken for a counter, not a decimal number.
     fn are_one_series(all: &[Self]) -> bool {
         let prefix = all.first().map(|first| &first.prefix);
         all.iter().all(|one| Some(&one.prefix) == prefix && (one.prefix.is_empty() || !one.has_zero_at_the_end))

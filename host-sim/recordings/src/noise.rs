@@ -1,4 +1,4 @@
-//! The worst case of a search that rejects offsets early: frames of random pixels, in which it can reject none.
+//! Frames of random pixels: the worst case of a search that rejects offsets early, because the search can reject none.
 //!
 //! The box stays in the middle, so that a second update's search window lies in the frame wherever the first moves it.
 
@@ -7,7 +7,7 @@ use smr_scene::random::Random;
 
 pub const NAME: &str = "noise";
 
-/// Number of frames, enough to time 60 searches, each in the second update after a lock.
+/// Number of frames, enough to lock on each of the first 60 and time the second update after each lock.
 const LENGTH: usize = 62;
 const WIDTH: u16 = 320;
 const HEIGHT: u16 = 272;

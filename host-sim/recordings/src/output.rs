@@ -12,7 +12,7 @@ use tempfile::{TempDir, TempPath};
 pub struct Output {
     name: PathBuf,
     file: BufWriter<fs::File>,
-    /// The temporary file; `None` for a device or a pipe, which cannot be replaced, and in a [`Folder`].
+    /// The temporary file; `None` in a [`Folder`], and for a device, pipe or open file, which stays in place.
     whole: Option<Whole>,
 }
 
@@ -33,7 +33,8 @@ impl Output {
         Ok(Self { name: name.to_owned(), file: BufWriter::new(file), whole })
     }
 
-    /// Returns the temporary path, for another program to write to; `None` for a device or a pipe.
+    /// Returns the temporary path for another program to write; `None` in a `Folder`, or for a device, pipe or open
+    /// file.
     pub fn path(&self) -> Option<&Path> {
         self.whole.as_ref().map(|whole| &*whole.path)
     }
@@ -81,7 +82,7 @@ pub fn behind_links(name: &Path) -> PathBuf {
     }
 }
 
-/// True for the path of an already open file, such as /dev/stdout, to whose content writing appends.
+/// True for a path of an already open file, such as /dev/stdout. `Output` appends to such a file.
 fn is_open(name: &Path) -> bool {
     let behind = fs::read_link(name).unwrap_or_default();
     [name, &behind].iter().any(|path| path.starts_with("/dev/fd") || path.starts_with("/proc"))
@@ -202,8 +203,8 @@ impl Exchange {
         self.made.path()
     }
 
-    /// Writes a file that only this user can read, also after an [`Output`] replaces it. Returns its path.
-    /// Errors: The file exists already, or cannot be written.
+    /// Writes a file that only this user can read, even after an [`Output`] replaces it, and returns its path. Errors:
+    /// The file exists already, or cannot be written.
     pub fn private(&self, name: &str, bytes: &[u8]) -> Result<PathBuf> {
         let place = self.path().join(name);
         let mut options = fs::OpenOptions::new();

@@ -93,7 +93,7 @@ impl Reader<'_> {
                 "HEIGHT" => &mut header.height,
                 "DEPTH" => &mut header.channels,
                 "MAXVAL" => &mut header.largest,
-                // Skips TUPLTYPE and comments, because DEPTH states how many values a pixel has.
+                // Skips other fields, such as TUPLTYPE: DEPTH already states how many values a pixel has.
                 _ => {
                     let end = self.0.iter().position(|&byte| byte == b'\n').unwrap_or(self.0.len());
                     self.0 = &self.0[end..];

@@ -34,7 +34,7 @@ pub(super) fn open(
 
 fn read(dump: &mut impl Read, (width, height): (u16, u16)) -> Result<Option<GrayFrame>> {
     let expected = usize::from(width) * usize::from(height);
-    // Memory grows with the bytes read, so that a mistyped size does not allocate all of it.
+    // Memory grows with the bytes read, so that a mistyped `--size` does not allocate a whole frame of that size.
     let mut pixels = Vec::new();
     let found = dump.take(expected as u64).read_to_end(&mut pixels)?;
     if found != 0 && found != expected {

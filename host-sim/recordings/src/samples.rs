@@ -14,7 +14,7 @@ pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
     Ok(())
 }
 
-/// Returns the error for a picture of an unsupported kind, which may be undamaged.
+/// Returns the error for a picture of an unsupported kind. It does not call the picture damaged.
 pub(super) fn unread(kind: &str) -> Error {
     anyhow!("it is {kind}, which is not supported: {CONVERT}")
 }

@@ -16,7 +16,7 @@ const DEPTH: usize = 512 << 10;
 const PAINT: u8 = 0xA5;
 const LINE: usize = 64;
 
-/// If `paint`, fills `DEPTH` bytes of stack below the caller with `PAINT`; else returns how many were used since.
+/// If `paint`, fills `DEPTH` bytes of stack below the caller with `PAINT`; else returns the number used after that.
 ///
 /// The second call leaves its array uninitialised, so that it contains what the code between the calls has left. A
 /// function with a large frame writes a word to each page: a line is used only if more than one word has changed.
@@ -67,7 +67,7 @@ fn filled(fill: unsafe extern "C" fn(*mut smr_config) -> smr_status) -> smr_conf
     }
 }
 
-/// Calls `fill`, then `smr_init`. Returns the status of `smr_init`, and the most stack used meanwhile, in bytes.
+/// Calls `fill`, then `smr_init`. Returns the latter's status, and the maximum stack use during both calls in bytes.
 fn init<const TARGET: usize, const WORKSPACE: usize>(
     fill: unsafe extern "C" fn(*mut smr_config) -> smr_status,
 ) -> (smr_status, usize) {

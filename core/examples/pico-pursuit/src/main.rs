@@ -1,4 +1,4 @@
-//! A camera on a pan/tilt head that follows a target. The README beside it shows the wiring and the limits.
+//! A camera on a pan/tilt head that follows a target. The README shows the wiring and what to measure on your head.
 
 #![no_std]
 #![no_main]

@@ -16,7 +16,7 @@ pub(crate) struct Points {
     /// A pixel of similarity p has at least p * `rate` / 2^24 points (255 - difference). `rate` 0 disables the bound.
     rate: u32,
     /// The largest integer c such that the similarity p(d) is at most 65535 - c * d for every difference d below the
-    /// threshold. If p is exponential, the largest d decides (flattest chord from p(0)). Stored, as division is slow.
+    /// threshold. If p is exponential, the largest d sets c (flattest chord from p(0)). Stored, as division is slow.
     chord: u32,
 }
 

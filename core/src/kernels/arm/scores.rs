@@ -15,8 +15,8 @@ use core::marker::PhantomData;
 
 /// Loops of an instruction set over the pixels of two pictures with at least `NARROWEST` columns.
 pub(crate) trait Loops {
-    /// Minimum width of a picture in columns. If it is more than one, the loops fill up words with pairs of equal
-    /// pixels, so the first entry of the table (for difference 0) must be [`ONE`].
+    /// Minimum width of a picture in columns. If it is more than one, the loops fill up the last words of both rows
+    /// with zeroes. These pixels have difference 0 and count as [`ONE`] each, so the first table entry must be [`ONE`].
     const NARROWEST: usize;
     /// Maps (rows, 256 table entries, floor) to the score if it is at least `floor`, else to any number below `floor`.
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32;

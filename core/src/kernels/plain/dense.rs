@@ -29,7 +29,7 @@ pub(crate) struct Layer<'a> {
 pub(crate) fn sum(layer: Layer<'_>, output: usize, patch: &[i8]) -> i32 {
     let bias = layer.biases.get(output).map_or(0, |&bias| i32::from_le_bytes(bias));
     let weights = layer.weights.get(output * layer.inputs..).unwrap_or_default();
-    // The two calls keep the loop small on every microcontroller. The DSP extension and Helium have faster loops.
+    // On Helium, which has a faster loop, only `rolled_if_rare` keeps this one small. Elsewhere `rolled` does.
     let pairs = rolled_if_rare(rolled(patch.iter().zip(weights)));
     let products = pairs.map(|(&x, &w)| i32::from(x) * i32::from(w));
     bias + products.sum::<i32>()
@@ -45,7 +45,7 @@ pub(crate) fn outputs_inline(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     }
 }
 
-/// Shifts and clamps a sum to 0..=127, an input of the next layer.
+/// Shifts a sum right by `shift` and clamps it to 0..=127, as an input of the next layer.
 #[inline(always)]
 pub(crate) fn shifted(sum: i32, shift: u32) -> i8 {
     i8::try_from((sum >> shift).max(0)).unwrap_or(i8::MAX)

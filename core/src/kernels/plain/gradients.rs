@@ -17,7 +17,7 @@ pub(crate) const DIRECTIONS: [(i32, i32); 6] = [(748, 0), (703, 256), (573, 481)
 pub(crate) struct Sums(pub(crate) [u16; CHANNELS]);
 
 impl Sums {
-    /// The sum of the squares of the nine votes, each rounded down to whole gray levels: at most 5,900^2.
+    /// The sum of the squares of the nine votes, with each vote rounded down to whole gray levels: at most 5,900^2.
     pub(crate) fn energy(&self) -> u32 {
         self.0.iter().take(BINS).map(|&sum| u32::from(sum >> 2).pow(2)).sum()
     }
@@ -55,9 +55,9 @@ impl Sectors {
     #[inline(always)]
     pub(crate) fn sums(&self, gray: u16) -> Sums {
         // A gradient between two directions votes for the upper one with its distance beyond the lower one, and for the
-        // lower one with its distance short of the upper one. In the names, a and b are distances beyond, c and d
-        // negated distances short; a and c are of the sectors `[0]`, b and d of the mirrored ones. The digit is the
-        // direction voted for, in steps of 20 degrees.
+        // lower one with its distance short of the upper one. Names with a or b are distances beyond, with c or d
+        // negated distances short. a and c come from the sectors `[0]`, b and d from the mirrored ones. The digit is
+        // the direction voted for, in steps of 20 degrees.
         let beyond = |number: usize, direction| {
             self.0.map(|sectors| distance(sectors.get(number).copied().unwrap_or(0), direction))
         };
@@ -158,7 +158,7 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// Computes the features of a row of cells: channel sum times inverse norm / 2^16, and mean gray level - 128.
+/// Computes the features of a row of cells: nine votes times `inverses` / 2^16, at most 127, and mean gray level - 128.
 #[inline(always)]
 pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     for ((number, out), &inverse) in rolled(out.iter_mut().enumerate().zip(inverses)) {
@@ -175,9 +175,9 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Replaces each number in `columns`, the energy of a cell and of its neighbours above and below, by `of(norm)`. The
-/// norm is the root of 64 times the mean energy of the 3x3 cells around the cell. `rows` of the three rows exist. There
-/// are at least two columns.
+/// Replaces each sum in `columns` (energy of a cell and of its neighbours above and below) by `of(norm)`. The norm is
+/// the root of 64 times the mean energy of the 3x3 cells around the cell. `rows` counts those of the three rows of
+/// cells that lie in the window. The number of columns is not 1.
 #[inline(always)]
 pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
     debug_assert!(columns.len() != 1);

@@ -29,7 +29,7 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     largest
 }
 
-/// Number of positions in a row at which the left sample of a column can lie. Its right sample is one position further.
+/// Number of row positions that can be the left sample of an output column. The right sample is one position further.
 pub(crate) const LEFT_SAMPLES: u16 = 512;
 
 /// A row of gray levels to sample, as 256 * level - [`BIAS`] in two's complement, with room for the last right sample.

@@ -2,7 +2,7 @@
 
 use super::super::unrolling::rolled_if_rare;
 
-/// The largest absolute value of [`number`] over all weights. Here a negative number is rounded up, toward zero.
+/// The largest absolute value of [`number`] over all weights. If [`number`] is negative, its quotient is rounded up.
 #[inline(always)]
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
     let size = |(&weight, &sum): (&i32, &i32)| match number(weight, factor, sum << left) {

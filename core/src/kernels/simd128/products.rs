@@ -13,7 +13,7 @@ const LANES: usize = 8;
 /// Filter offsets computed at a time, which share the loads of the weights.
 const AT_ONCE: usize = 4;
 
-/// Start and mask of each vector of a row. The last vector ends with the row; its mask excludes overlapping lanes.
+/// Start and mask of each vector of a row. The last ends with the row; its mask omits the overlap with the one before.
 fn vectors(row: usize) -> impl Iterator<Item = (usize, v128)> {
     let whole = (0..row / LANES).map(|number| (number * LANES, u8x16_splat(u8::MAX)));
     let rest = row % LANES;
@@ -110,8 +110,8 @@ pub(crate) fn gather<const N: usize>(
     }
 }
 
-/// Multiplies a row of errors by cells, and adds the products to eight neighbouring sums of a gradient, where `mask` is
-/// set. `first` is the cell of the first error and the first sum.
+/// Adds products of errors and cells to eight neighbouring sums of a gradient; lanes outside `mask` stay unchanged.
+/// `first` is the cell that the first error is multiplied by for the first sum.
 ///
 /// # Safety
 /// Eight cells can be read at each offset, and eight sums written.

@@ -33,7 +33,7 @@ macro_rules! add {
             concat!("ldrb r4, [r2, #1 + ", $at, "]\n"),
             concat!("ldrb r6, [r1, #1 + ", $at, "]\n"),
             "subs r4, r4, r6\n",
-            // r3 becomes |x|, r4 |y|, and r5 -4 if x and y differ in sign (mirrored sectors), else 0.
+            // r3 becomes |x|, r4 |y|, r5 a byte offset: -4 (mirrored sectors) if x and y differ in sign, else 0.
             "asrs r5, r3, #31\n",
             "asrs r6, r4, #31\n",
             "eors r3, r5\n",
@@ -80,7 +80,7 @@ macro_rules! beyond {
 fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sectors {
     const { assert!(COLUMNS < 256) };
     let [_, one, two, _, four, _] = DIRECTIONS;
-    // Pairs of a sector's mirror image (index 0) and the sector itself (index 1).
+    // For each sector, the sums of its mirror image (index 0) and of the sector itself (index 1).
     let mut sectors = [[0; 2]; 5];
     if at + SIDE <= COLUMNS {
         let above = lines.as_ptr().cast::<u8>().wrapping_add(at);

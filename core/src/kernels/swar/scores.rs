@@ -140,8 +140,8 @@ unsafe fn row_score(f: *const u8, g: *const u8, width: usize, table: &CutTable) 
 #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
 const OFFSETS: usize = 4;
 
-/// The scores of a row of `width` pixels at four neighbouring offsets. A frame pixel is compared with four template
-/// pixels, so its address in the table is computed once.
+/// The scores of a row of `width` pixels at four neighbouring offsets. The table offset of each frame pixel is computed
+/// once for all template pixels that the frame pixel is compared with.
 ///
 /// # Safety
 /// `width` pixels can be read at `g`, and three more at `f`.

@@ -84,7 +84,7 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
     #[inline(always)]
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 16 * 8
     fn look_up_half<const COUNT: usize>(&self, first: usize, difference: V) -> (V, V) {
-        // Added to differences: those in the last of the `COUNT` segments end at 127; larger ones get the top bit.
+        // Added to each difference: the last of `COUNT` segments then ends at 127; larger differences get the top bit.
         let up = SEGMENT * (SEGMENTS_A_HALF - COUNT);
         // SAFETY: `self` exists, so the processor has the instruction set.
         unsafe {
@@ -135,8 +135,8 @@ pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::is_above(V::load(lanes.as_ptr()), V::splat(31 - new)) }
 }
 
-/// Operand of [`narrow_lanes`]: `first` lanes of 127 (always in the mask), `second` that rise to 31, then zeroes
-/// (never).
+/// Lanes that [`narrow_lanes`] compares with a limit: `first` lanes of 127 (always in the mask), `second` lanes that
+/// rise by 1 to 31 (the last ones may be in the mask), then zeroes (never in the mask).
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];
@@ -160,7 +160,7 @@ pub(super) fn narrow(row: &[u8]) -> __m128i {
             (Some(&first), Some(&last)) => {
                 i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32
             }
-            // Fewer than four pixels: puts them into the last of four bytes, which the mask marks.
+            // Fewer than four pixels: aligns them with the end of four bytes, where the mask marks them.
             _ => i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)),
         };
         _mm_set_epi64x(0, both)

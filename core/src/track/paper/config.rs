@@ -76,7 +76,7 @@ impl Margins {
 
 settings! {
     Paper, 0;
-    /// The settings of the paper's tracker. Change what you need in [`Config::camera`] or [`Config::paper`].
+    /// The settings of the paper's tracker. Start from [`Config::camera`] or [`Config::paper`].
     ///
     /// The gate accepts a peak if peak / runner-up > r, or peak - runner-up > `gate_lead` fully similar pixels. The
     /// state of the target and the position of the peak decide which of `gate_tracking`, `gate_leaving`,

@@ -55,8 +55,8 @@ impl Track {
 }
 
 impl<const PIXELS: usize> Template<PIXELS> {
-    /// True if a patch, measured as `is`, can show the target: it has at least a quarter of the template's contrast,
-    /// and its clipped pixels exceed the template's by at most half of all pixels.
+    /// True if a patch with the contrast `is` can show the target: it has at least a quarter of the template's
+    /// contrast, and its clipped pixels exceed the template's by at most half of all pixels.
     pub(crate) fn is_shown_by(&mut self, is: Contrast) -> bool {
         if is.is_enough_for_any() {
             return true;
@@ -68,8 +68,8 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 }
 
-/// The searches of an update, for a tracked, a returning and a lost target: (true if the first search includes the
-/// runner-up, true if a second search, for the runner-up, may follow).
+/// One item for each of a tracked, a returning and a lost target. First value: true if the first search of an update
+/// includes the runner-up. Second: true if a second search, for the runner-up, may follow.
 pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
     let bounds = Rect::new(0, 0, 1, 1);
     let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];

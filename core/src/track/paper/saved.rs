@@ -1,4 +1,4 @@
-//! A target of the paper's tracker as bytes: track, threshold, template.
+//! A target of the paper's tracker as bytes: track (box, frame size, state), threshold alpha, template.
 
 use super::config::Config;
 use super::template::Template;
@@ -8,7 +8,7 @@ use crate::track::saved::{Reader, Refusal, Saved, Writer, around};
 use crate::track::settings::Numbers;
 use crate::track::{Quality, RestoreError, SaveError, State};
 
-/// The size in bytes of the saved track and threshold together.
+/// The size in bytes of the saved `Track` and the threshold alpha together.
 const TRACK: usize = 24;
 
 /// The size in bytes of a saved target with a template of `pixels` pixels.

@@ -287,8 +287,8 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 /// Stands in for the result of a search that scored no offset. That never happens: a window is never empty.
 const NOTHING: Peaks = Peaks { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };
 
-/// Scratch memory for updates of any number of targets, one at a time: `PIXELS + 20 * SPAN` bytes, a similarity table
-/// (half a kilobyte or one) and a constant.
+/// Scratch memory for updates of any number of targets, one at a time: `PIXELS + 20 * SPAN` bytes, a constant, and a
+/// similarity table (half a kilobyte, or one kilobyte where `Backend::Swar` is the fastest).
 ///
 /// ```
 /// // Firmware often keeps it in a static.

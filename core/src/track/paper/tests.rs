@@ -86,8 +86,8 @@ fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
 #[test]
 fn the_most_work_is_nearly_done() {
     let noise = [Picture::noise(160, 120, 7), Picture::noise(160, 120, 8)];
-    // Every 4x4 block of the second picture ranges from 100 to 200. The template's level, 150, lies in this range, so
-    // every group's bound is the full score, but no pixel has that level.
+    // Every 4x4 block of the second picture has the levels 100 and 200. The template's level, 150, lies between them,
+    // so the bound of every group of 4x4 offsets is the full score, but no pixel has that level.
     let of = |level: fn(i32, i32) -> u8| Picture::of(160, 120, level);
     let stripes = [of(|_, _| 150), of(|x, y| if (x + y) % 2 == 0 { 100 } else { 200 })];
     // About one in eight template pixels matches, the same ones at every offset: all scores are equal, and equal to the bound

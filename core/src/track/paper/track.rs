@@ -11,8 +11,8 @@ pub(super) struct Track {
     pub(super) target: Rect,
     pub(super) bounds: Rect,
     pub(super) state: State,
-    /// True once the box at a peak was partly outside the frame while the target was not lost, until a lost target is
-    /// found again. While true, `gate_returning` replaces `gate_tracking`.
+    /// Set when the box at the peak of a target that is not lost is partly outside the frame; cleared when a lost
+    /// target is found again. While set, `gate_returning` replaces `gate_tracking`.
     pub(super) edge: bool,
     /// Frames since a peak was last accepted.
     pub(super) lost_for: u16,

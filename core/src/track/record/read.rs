@@ -8,18 +8,18 @@ use crate::track::saved::Reader;
 use crate::track::{Answer, Settings, State};
 use core::{fmt, mem};
 
-/// `TABLE`: entries of a similarity table. `MOST`: upper bound of the number of a configuration's other values.
+/// `TABLE`: number of entries in a similarity table. `MOST`: maximum number of a configuration's other values.
 const TABLE: usize = 256;
 const MOST: usize = 32;
 
-/// The entries of `record`, in order. Skips bytes that belong to no entry if an `SMRB` (begin) or the end follows:
-/// restarted firmware appends to a truncated record, see [`Entries::cut_off`]. The [module](super) has an example.
+/// The entries of `record`, in order. Bytes that belong to no entry are skipped before an `SMRB` (begin) and at the
+/// end: restarted firmware appends to a truncated record, see [`Entries::cut_off`]. The [module](super) has an example.
 #[must_use]
 pub const fn entries(record: &[u8]) -> Entries<'_> {
     Entries { record, at: 0, next: 0, cut_off: 0 }
 }
 
-/// Parses the entry at the start of `bytes`, which must contain all of it. The [`HEAD`] has the content's length.
+/// Parses the complete entry at the start of `bytes`. Its first [`HEAD`] bytes end with the length of its content.
 ///
 /// # Errors
 /// [`Flaw::NoEntry`] if no whole entry begins there, else what is wrong with its content.
@@ -138,7 +138,7 @@ pub struct Damage {
 #[non_exhaustive]
 pub enum Flaw {
     /// The count of bytes from `Damage::at` on that belong to no entry, although an entry other than `Entry::Begin`
-    /// follows them. From `first`: the count of all its bytes, because no whole entry begins there.
+    /// follows them. From `first`: the count of all bytes passed to it, because no intact entry begins there.
     NoEntry(usize),
     /// The entry with this number is missing.
     Missing(u32),

@@ -1,5 +1,5 @@
-//! 64-bit division. On 32-bit processors the compiler's function for it takes 1 KB of flash. An update does few 64-bit
-//! divisions, so a slower loop, bit by bit, replaces it.
+//! 64-bit division. On 32-bit processors a loop divides bit by bit: the compiler's function is faster, but takes 1 KB
+//! of flash, and an update does few 64-bit divisions.
 
 /// `number` / `divisor`, rounded toward zero; 0 if `divisor` is 0.
 #[inline(never)]

@@ -72,7 +72,7 @@ pub(super) const DAMPING: u32 = 6;
 pub(super) const TILES: u16 = 4;
 /// The rank of the tile whose similarity ratio is the agreement; rank 1 is the tile with the lowest ratio. With rank 4,
 /// three tiles may be hidden. Rank 1 lowers the success rate R by 0.139 +- 0.024. Rank 8 lowers it by 0.048 +- 0.022,
-/// and then 66 % of the wrong frames are *tracking* instead of 23 %.
+/// and raises the share of wrong frames that are *tracking* from 23 % to 66 %.
 pub(super) const AGREEMENT_RANK: usize = 4;
 /// The minimum and the maximum of the threshold alpha, in gray levels. Two pixels match if they differ by less than
 /// alpha, so a minimum of 2 tolerates a rounding error of 1. With a minimum of 8, a target with little contrast would
@@ -85,9 +85,9 @@ pub(super) const ONE_GAIN: u32 = 256;
 pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
 /// The minimum contrast of a search window: 1/4 gray level, in units of 1/16. Lower contrasts are raised to it.
 pub(super) const LEAST_WINDOW: u32 = 4;
-/// The exponent of the rate at which the target's `Light` follows that of each learned frame: by 2^-3 of the
-/// difference. With 2^0 (all of it), a further 0.05 of the wrong frames would be *tracking*, measured on half of the
-/// recordings.
+/// The learning rate of the target's `Light`, as a right shift: each learned frame moves the target's `Light` by 2^-3
+/// of the difference to the frame's `Light`. With 2^0 (the whole difference), the share of wrong frames that are
+/// *tracking* would be higher by 0.05, measured on half of the recordings.
 pub(super) const LIGHT_RATE: u32 = 3;
 /// The threshold alpha, in gray levels, with which a lock measures how distinct its target is: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;
@@ -105,7 +105,7 @@ pub(super) const MOST_SCALE: u32 = 5 * SCALE;
 
 // Evidence and confidence, in units of 1/65536. Evidence sums the agreement (up to 1) and the response (up to 1/2).
 
-/// The largest evidence of a frame for the target: 1.5.
+/// The largest evidence of a frame for the target: 1.5, in units of 1/65536.
 pub(super) const MOST_EVIDENCE: i32 = 3 << 15;
 /// The least evidence for the target with which the filter learns from a frame.
 pub(super) const LEARNED_FROM: i32 = 37_500;
@@ -113,21 +113,21 @@ pub(super) const LEARNED_FROM: i32 = 37_500;
 pub(super) const FOUND_FROM: i32 = 52_000;
 /// The minimum lead of the evidence in a search window over the evidence at the place where the target was lost.
 pub(super) const FOUND_LEAD: i32 = 16_000;
-/// The largest lead of the evidence's running mean over the frame's evidence. So, with the default settings, one frame
-/// without evidence makes a *tracking* target *uncertain*, and a second such frame makes it *lost*. This bound improves
-/// the state, not the place: the success rate R without it is higher by 0.002 +- 0.002.
+/// The maximum by which the running mean of the evidence may exceed the frame's evidence. With the default settings,
+/// one frame without evidence thus makes a *tracking* target *uncertain*, and a second such frame makes it *lost*. The
+/// bound improves the state, not the place: without the bound, the success rate R is higher by 0.002 +- 0.002.
 pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
 /// The regularisation lambda of the ridge regression: 0.05 * 318^2, because a feature of 1 is the integer 318.
 pub(super) const REGULARISATION: i64 = 5056;
 /// The largest error of a response: about 4, in units of 1/16384. Larger errors are clamped to it.
 pub(super) const MOST_ERROR: i32 = 65_535;
-/// The largest error as a 16-bit integer (`coded_errors`): a sum of 289 products with 8-bit features stays below 2^31.
+/// The bound of a 16-bit coded error (`coded_errors`). A sum of 289 products with 8-bit features stays below 2^31.
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;
 /// The squared width of the Gaussian label, as a fraction: (standard deviation / root of the target's area)^2 = 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
-/// The standard deviation of the mask that weights the filter's cells in learning, in units of 1/256 cell for each
-/// pixel of the template's side. On each axis, 32 is half of the side.
+/// The standard deviation of the mask that weights the filter's cells in learning, per pixel of the template's side, in
+/// units of 1/256 cell. On each axis, 32 makes the standard deviation half of the side, as a cell is 4 pixels wide.
 pub(super) const MASK_WIDTH: u32 = 32;
 /// Steps of conjugate gradients at the lock. More steps overfit the first frame: 9 lower the success rate R by 0.004 +-
 /// 0.006. 25 steps of steepest descent, at four times the work, raise it by 0.003 +- 0.005.

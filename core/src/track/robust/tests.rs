@@ -36,7 +36,7 @@ fn a_target_of_any_size_costs_about_the_same() {
         let [left, top] = [width - across, height - down].map(|room| i32::from(room / 2));
         let target = Rect::new(left, top, across, down);
         work_of(Config { refiner: cfg!(feature = "refiner"), ..Config::robust() }, &pixels, (width, height), target);
-        // Returns the work without scale search and refiner, which not every frame runs, and with one sweep window.
+        // Returns an update's work with one sweep window, without scale search and refiner (not run in every frame).
         work_of(Config { refiner: false, size: false, sweep: 1, ..Config::robust() }, &pixels, (width, height), target)
     };
     let black: fn(usize) -> Vec<u8> = |pixels| vec![0; pixels];
@@ -49,8 +49,8 @@ fn a_target_of_any_size_costs_about_the_same() {
     for side in [1, 79, 100, 159, 200, 319, 400, 800, 1279, 1500] {
         holds(side, side, noise, seen_40);
     }
-    // Includes the longest possible boxes, and boxes about six times as long as wide. For the box of 50,920x7890
-    // pixels, neighbouring samples are nearly two blocks of pixels apart, which is the most.
+    // The boxes include the longest possible ones, and some about six times as long as wide. For 50,920x7890 pixels,
+    // neighbouring samples are nearly two blocks of pixels apart, which is the largest distance.
     let small = [(600, 16), (16, 600), (65_535, 1), (1, 65_535), (992, 160), (160, 992)];
     for (across, down) in small.into_iter().chain([(13_000, 13_000), (65_535, 65_535), (50_920, 7890), (7890, 50_920)])
     {
@@ -83,7 +83,7 @@ fn most_done(config: Config) -> [u64; 3] {
     most
 }
 
-/// The largest work of an update, a lock and a step, with learning or with redetection, is 85 to 100 % of the bound.
+/// The largest work of an update, of a lock and of a step (learning or redetecting) is 85 to 100 % of its own bound.
 #[test]
 fn the_most_work_is_nearly_done() {
     let lost = |config| Config { lost_below: u16::MAX, uncertain_below: u16::MAX, ..config };
@@ -109,7 +109,7 @@ fn every_reach_follows() {
         let config = Config { reach, ..most_parts() };
         let mut tracker =
             locked::<Robust>(config, &of_size(&scene(Some((100, 90)), 100), (320, 240)), Rect::new(100, 90, 40, 40));
-        // First: the minimum work of a frame, as the refiner runs only in some. Second: the maximum area of a window.
+        // The least work of an update (as the refiner runs only in some), and the largest window area in pixels.
         let mut after = (u32::MAX, 0);
         for number in 1..12 {
             let place = (100 + 3 * number, 90 - 2 * number);
@@ -257,7 +257,7 @@ fn a_covered_lens_is_lost_and_teaches_nothing() {
                 (target.weights().to_vec(), target.early_template().unwrap().collect())
             };
             let before = learned(&tracker);
-            // 60 covered frames suffice, because the sweep of the picture starts again every few frames. For
+            // 60 covered frames suffice, because each sweep of the whole picture takes only a few frames. For
             // `textured`, 300 frames are covered, as in `eval --fault cover`.
             let covered = if name == "textured" { 300 } else { 60 };
             let states: Vec<State> = (0..covered).map(|_| update(&mut tracker, &[level; 160 * 120]).state).collect();

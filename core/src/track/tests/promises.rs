@@ -148,8 +148,8 @@ struct Way {
     shared: bool,
     /// The turn of the camera (right, down), in units of 1/256 pixel, that both trackers are told before the frame.
     turn: Option<(i32, i32)>,
-    /// A call interrupted before the update: (its grant in 1/256 of the last call's work; index of the interrupting
-    /// call in `call`; true for a lock, false for an update). `restored` and `shared` are then ignored.
+    /// A call to interrupt before the update: (its grant in 1/256 of the last call's work; number of the interrupting
+    /// call in `call`; true to interrupt a lock, false an update). `restored` and `shared` are then ignored.
     interrupted: Option<(u32, usize, bool)>,
 }
 
@@ -284,7 +284,7 @@ fn stepped<T: Filmed, A>(
         if let Some(done) = done {
             return done;
         }
-        // A step costs nothing if the search has already scored its offset. At most two steps of a call may do so.
+        // A step costs nothing if only the best offset so far is left to score. A call has at most two such steps.
         idle += u32::from(work == before);
         assert!(idle < 3, "every step makes progress");
         refused(tracker);

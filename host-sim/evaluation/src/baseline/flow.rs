@@ -24,7 +24,7 @@ pub(super) fn find(
     let scene = Plane::new(frame, first.into(), size.into());
     let pixels = template.iter().map(|&pixel| pixel.into()).collect();
     let template = Plane { width: width.into(), height: height.into(), pixels };
-    // Positions count from the corner of `scene`, because only then can they be halved for the next pyramid level.
+    // Measures positions from the corner of `scene`: when `scene` is halved for the next pyramid level, they halve too.
     let corner = first.map(f64::from);
     let limits = [0, 1].map(|axis| (limits[axis].0 - corner[axis], limits[axis].1 - corner[axis]));
     let place = coarse_to_fine(&scene, &template, [from[0] - corner[0], from[1] - corner[1]], limits);
@@ -43,7 +43,7 @@ fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64
     fit(scene, template, start, limits)
 }
 
-/// Takes Gauss-Newton steps to the least squared difference; stops if a step is short or gradients do not determine it.
+/// Minimizes the squared difference by Gauss-Newton steps; stops after a short step, or if gradients determine none.
 fn fit(scene: &Plane, template: &Plane, start: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut place = start;
     for _ in 0..MAX_STEPS {
@@ -92,7 +92,7 @@ impl Plane {
         Self { width: side(size.0), height: side(size.1), pixels: levels(frame, place, size).map(f64::from).collect() }
     }
 
-    /// Halves both sides by averaging blocks of 2x2 pixels, without the last column or row if their number is odd.
+    /// Averages blocks of 2x2 pixels; an odd width loses its last column, and an odd height its last row.
     fn halved(&self) -> Self {
         let (width, height) = (self.width / 2, self.height / 2);
         let mean = |x: usize, y: usize| {

@@ -170,8 +170,8 @@ impl Spread {
         Self { pixels, sum, spread: pixels * squares - sum * sum }
     }
 
-    /// Returns the correlation coefficient of the template and a box, 0 if one is uniform. `sum` and `squares` are the
-    /// exact sums of the box's levels and of their squares.
+    /// Returns the correlation coefficient of the template and a box, or 0 if either is uniform. `sum` and `squares`
+    /// are the exact sums of the box's levels and of their squares.
     fn correlation<'a>(&self, [sum, squares]: [i64; 2], rows: impl Iterator<Item = Pair<'a>>) -> f64 {
         let of_row = |(f, g): Pair<'_>| f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum::<u32>();
         let products: i64 = rows.map(|row| i64::from(of_row(row))).sum();
@@ -181,7 +181,7 @@ impl Spread {
     }
 }
 
-/// Integral images of pixels and of squared pixels, one row and column larger than the canvas: four entries sum a box.
+/// Integral images of pixels and squared pixels, one row and column larger than the canvas: 4 entries give a box's sum.
 fn integral(canvas: &[u8], stride: usize) -> Vec<[i64; 2]> {
     let mut sums = vec![[0; 2]; stride + 1];
     for row in canvas.chunks_exact(stride) {

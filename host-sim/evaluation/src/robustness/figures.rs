@@ -14,13 +14,13 @@ pub(crate) struct RunFigures {
     counts: Figures,
     answered_visible: usize,
     updates: u64,
-    /// Sum of `Report::work` over all updates; `None` if it is `None` in one of them.
+    /// Sum of `Report::work` over all updates; `None` if any update reports `None`.
     work: Option<u64>,
     time: Duration,
 }
 
 impl RunFigures {
-    /// Computes the figures; `truth` begins with the frame of the lock. An error if it has another length than the run.
+    /// Computes the figures; `truth` begins with the frame of the lock. An error if run and truth differ in length.
     pub fn new(run: &Run, truth: &Trajectory) -> Result<Self> {
         let answers: Vec<_> = run.reports.iter().map(|report| report.target).collect();
         let (overlaps, score) = (overlaps(&answers, truth)?, Score::new(&answers, truth)?);
@@ -44,7 +44,7 @@ impl RunFigures {
     }
 }
 
-/// Number of frames after the target's return in which a correct answer counts as found again.
+/// Number of frames, from the target's return on, in which one correct answer counts as finding the target again.
 const FOUND_AGAIN_FRAMES: usize = 50;
 
 /// Counts the target's returns into view, and those after which it was found again; overlaps are `None` while hidden.
@@ -114,8 +114,8 @@ figures! {
     right_unsaid: usize = sum, "" 0, "unsaid/right" right_unsaid right;
     /// Upper bound of the byte comparisons per update; `None` from methods that do not count them.
     work_per_frame: Option<f64> = mean_of_all, "work/frame" 0;
-    /// Microseconds per update, while other threads may run trackers too. Only this figure changes if `eval` is
-    /// repeated.
+    /// Microseconds per update, measured while other threads may run trackers too. If `eval` is repeated, only this
+    /// figure changes.
     microseconds_per_frame: f64 = mean, "us/frame" 0;
 }
 
@@ -138,9 +138,9 @@ fn sum(parts: impl Iterator<Item = usize>) -> usize {
 }
 
 impl Figures {
-    /// Combines the runs of one recording, one per start. Fractions of the visible frames and F are means over the runs
-    /// (`worst_correct`: the lowest fraction); counts are sums. IoU, precision, comparisons and time are means over the
-    /// frames, answers or updates of all runs together.
+    /// Combines the runs of one recording, one run per start. Means over the runs: fractions of the visible frames, and
+    /// F (but `worst_correct` is the lowest fraction). Sums: counts. Over all runs together: mean IoU of the frames
+    /// with an answer and a visible target, precision of the answers, comparisons and time per update.
     pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
         let mean = |of: fn(&Score) -> f64| ratio(runs.iter().map(|run| of(&run.score)).sum(), runs.len() as f64);
         let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>() as f64;
@@ -193,7 +193,7 @@ mod tests {
         Run { reports, time: Duration::from_micros(microseconds), ..Run::default() }
     }
 
-    /// Two runs in a recording of six frames, one from its first and one from its second. The last two hide the target.
+    /// Two runs in a recording of six frames: one from frame 1, one from frame 2. Frames 5 and 6 hide the target.
     fn runs(work: Option<u32>) -> [RunFigures; 2] {
         use State::{Lost, Tracking, Uncertain};
         let truth = [at(0.0), at(0.0), at(0.0), at(0.0), None, None];

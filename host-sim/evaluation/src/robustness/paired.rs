@@ -54,7 +54,7 @@ impl FormerTables {
     }
 }
 
-/// A file of an earlier version, which has `recordings` in place of the tables.
+/// A file that an earlier version of `host-sim` wrote, with `recordings` in place of the tables.
 #[derive(Deserialize)]
 struct Nested {
     #[serde(rename = "recordings")]
@@ -159,7 +159,7 @@ mod tests {
         ["a", "b", "c"].into_iter().zip(correct).map(|(name, correct)| row(variant, name, figures(correct))).collect()
     }
 
-    /// The second method is better by 0.1, 0.3 and -0.1: mean 0.1, standard error sqrt(0.08 / 2 / 3).
+    /// The second method is better by 0.1, 0.3, -0.1 in the recordings: mean 0.1, standard error sqrt(0.08 / 2 / 3).
     fn measured(variants: &[Variant]) -> Vec<Row<'_>> {
         [of(&variants[0], [0.2, 0.5, 0.8]), of(&variants[1], [0.3, 0.8, 0.7])].into_iter().flatten().collect()
     }

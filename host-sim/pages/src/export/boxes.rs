@@ -91,7 +91,7 @@ pub struct Answer<'a> {
     pub size: (u16, u16),
     /// `None` before the target's first box, and while the target is gone.
     pub report: Option<&'a Report>,
-    /// Suitability of the target for tracking; only in the frame of a lock.
+    /// Suitability of the target for tracking; `None` except in a frame in which the tracker locks on.
     pub quality: Option<Quality>,
 }
 
@@ -203,7 +203,7 @@ struct JsonLine<'a> {
     found_again: Option<bool>,
     work: Option<u32>,
     /// Suitability of the target for tracking, 0 (looks like its surroundings) to 1 (differs clearly); null except in a
-    /// frame of a lock.
+    /// frame in which the tracker locks on.
     quality: Option<f64>,
 }
 
@@ -297,7 +297,7 @@ mod tests {
             "smr",
             r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9,"quality":null"#,
         );
-        // In frames before the target's first box, only formats with a line for each frame have a line.
+        // Before the target's first box, some formats print the line of a lost target; the others print nothing.
         for (format, of_found, of_lost, before) in [
             (Format::Tld, "-2,5,8,25\n", "NaN,NaN,NaN,NaN\n", "NaN,NaN,NaN,NaN\n"),
             (Format::Otb, "-1,6,10,20\n", "NaN,NaN,NaN,NaN\n", "NaN,NaN,NaN,NaN\n"),

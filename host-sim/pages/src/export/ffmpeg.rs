@@ -18,7 +18,7 @@ const CHUNK: usize = 1 << 16;
 pub(super) struct Ffmpeg {
     process: Process,
     said: Receiver<String>,
-    /// Channel with space for one frame, to a thread that writes frames to ffmpeg, because that write may block.
+    /// Channel that holds one frame. A separate thread takes frames from it and writes them to ffmpeg, which may block.
     frames: SyncSender<Vec<u8>>,
     chunks: Arc<AtomicU64>,
     file: PathBuf,

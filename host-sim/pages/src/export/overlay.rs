@@ -50,7 +50,7 @@ impl Overlay {
     /// Draws an outline outside the box, so that it hides no small target. A dark border makes it visible anywhere.
     pub fn outline(&mut self, target: &BoundingBox, color: Color) {
         let Some(rect) = target.to_rect() else { return };
-        // Clamps coordinates far outside the frame, where lines are invisible, against overflow.
+        // Clamping prevents overflow. It moves only boxes far outside the frame, whose lines are invisible anyway.
         let place = Point::new(rect.x.clamp(-100_000, 100_000), rect.y.clamp(-100_000, 100_000));
         let area = Rectangle::new(place, Size::new(rect.width.into(), rect.height.into()));
         let dot = self.dot();

@@ -36,7 +36,7 @@ enum Way {
     Pictures(Folder),
 }
 
-/// Settings of a film that come from the recording.
+/// Settings of a film: the recording's sound, the frame number and the patience with ffmpeg.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// File with the sound, which is omitted if the recording's frames have no times.
@@ -125,7 +125,7 @@ fn command(plan: &Plan, timeline: &Timeline, aspect: (u32, u32), codecs: &[&str]
     command
 }
 
-/// Timestamps of the frames of a film: the recording's, or 25 frames a second if it has none.
+/// Timestamps of a video's frames: those of the recording or, if the recording has none, one every 1/25 second.
 struct Timeline {
     is_begun: bool,
     first: Option<Moment>,

@@ -19,7 +19,7 @@ use smr_recordings::{BoundingBox, GrayFrame};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Frame rate that is written into files, in frames a second, because a recording has no rate of its own.
+/// Frame rate in a toolkit's metadata, in frames a second: a fixed value, because the writer gets no frame times.
 const RATE: u32 = 25;
 
 /// Format of a written recording: one file with all frames, a folder of pictures, or the layout of a toolkit.
@@ -44,7 +44,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// True for the layouts of toolkits, which are of no use without boxes.
+    /// True for a toolkit's layout, because toolkits cannot use a recording without boxes.
     pub const fn needs_boxes(self) -> bool {
         matches!(self, Self::Vot | Self::Otb | Self::Got10k)
     }
@@ -205,7 +205,7 @@ fn files(
     let lines = |line: &dyn Fn(Option<&BoundingBox>) -> String| {
         boxes.iter().map(|entry| line(entry.as_ref()) + "\n").collect::<String>()
     };
-    // For a frame without a box, OTB's and GOT-10k's toolkits need four values other than NaN; VOT's reads one value.
+    // For a frame without a box, OTB's and GOT-10k's toolkits need four values, none of them NaN; VOT's reads one 0.
     let shown = |form: Form| lines(&|entry| entry.map_or_else(|| "0,0,0,0".to_owned(), |seen| form.line(Some(seen))));
     if format == Format::Otb {
         return vec![("groundtruth_rect.txt", shown(Form::Otb))];

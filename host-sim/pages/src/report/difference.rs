@@ -1,4 +1,4 @@
-//! Absolute differences |F - G| between the pixels of the best patch F and of the template G, and a picture of them.
+//! Absolute differences |F - G| between the pixels of a patch F of the frame and of the template G, and their picture.
 
 use crate::colors::Color;
 use crate::encode::palette_png;
@@ -14,7 +14,7 @@ pub(super) struct Difference {
 
 /// Gray levels that one bar of a histogram spans.
 pub(super) const BAR: usize = 2;
-/// Number of bars of a histogram. The last bar has all differences from 126 up: most exceed alpha, so do not count.
+/// Number of bars of a histogram. The last has all differences from 126 up; most exceed alpha and add no similarity.
 pub(super) const BARS: usize = 64;
 
 impl Difference {
@@ -34,7 +34,7 @@ impl Difference {
         counts.map(|count| f64::from(count) / self.pixels.pixels.len().max(1) as f64)
     }
 
-    /// Returns the fraction of pixels whose difference is below `alpha`, the pixels that count.
+    /// Returns the fraction of pixels that count toward the similarity: those whose difference is below `alpha`.
     pub fn counting(&self, alpha: u16) -> f64 {
         let counting = self.pixels.pixels.iter().filter(|&&difference| u16::from(difference) < alpha).count();
         counting as f64 / self.pixels.pixels.len().max(1) as f64
@@ -52,7 +52,7 @@ pub(super) fn patch(levels: &GrayFrame) -> Result<Vec<u8>> {
     palette_png(levels, coarse)
 }
 
-/// Encodes differences as PNG, brightened because most are small. Differences below `alpha` count, and are green.
+/// Encodes differences as PNG, brightened because most are small. Pixels with a difference below `alpha` are green.
 pub(super) fn differences(levels: &GrayFrame, alpha: Option<u16>) -> Result<Vec<u8>> {
     palette_png(levels, |level| match alpha {
         Some(alpha) if u16::from(level) < alpha => counting_color(level),

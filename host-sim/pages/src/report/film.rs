@@ -207,7 +207,7 @@ impl Film {
         Ok(())
     }
 
-    /// Scores all methods and result files; `None` without ground truth. Errors: Ground truth of another length.
+    /// Scores all methods and result files; `None` without ground truth. Errors: Ground truth not as long as the film.
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };
         let score = |(index, variant): (usize, &Variant)| {

@@ -82,7 +82,7 @@ fn recording(film: &Film) -> Result<Value> {
     })
 }
 
-/// Returns for each target the count of frames in each state of the first method.
+/// Returns, for each target, the title of its first method and that method's count of frames in each state.
 fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
     let of = |target: usize| {
         let method = film.method_targets.iter().position(|of| *of == target)?;

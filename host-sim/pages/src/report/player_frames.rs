@@ -15,7 +15,7 @@ const SMALL: u16 = 320;
 /// Longest side in pixels of a template or difference map; a larger one is subsampled by 2, 3, ...
 const LARGEST_PATCH: u16 = 64;
 
-/// Pictures of some or all frames, with the pixels that the methods compared there.
+/// Pictures of some or all frames, each with the methods' templates and difference maps in that frame.
 pub(super) struct Pictures {
     /// Largest size of all pictures in the page together, in bytes.
     limit: usize,

@@ -20,8 +20,8 @@ struct Scored {
 
 type Row<'a> = (&'a Entrant, Vec<Option<&'a Scored>>);
 
-/// Returns an entrant's values to average, `of` its scores, one for each recording in which the target is ever visible.
-/// `None` if the entrant lacks a score in any recording.
+/// Returns the values that `of` takes from an entrant's scores, one for each recording in which the target is ever
+/// visible. `None` if the entrant lacks a score in any recording.
 fn known<'a, T>(scored: &[Option<&'a Scored>], of: impl Fn(&'a Scored) -> T) -> Option<Vec<T>> {
     let known = scored.iter().filter(|one| one.is_none_or(|one| one.score.visible > 0));
     known.map(|one| Some(of((*one)?))).collect()

@@ -16,9 +16,9 @@ pub struct Observation {
 }
 
 pub struct Search {
-    /// Difference of the compared pixels from the template. Paper's tracker: at the most similar position, accepted or
-    /// not. Baselines: in the method's box. Robust tracker: around its tracked position, from its early template (of
-    /// the first frames).
+    /// Difference between a template and the frame's pixels at one position. Paper's tracker: the most similar
+    /// position, accepted or not. Baselines: the method's box. Robust tracker: the tracked position; the template is
+    /// the early one (of the first frames).
     pub difference: Difference,
     /// Threshold: pixels with a smaller difference count toward the similarity. `None` if all pixels count.
     pub alpha: Option<u16>,
@@ -97,7 +97,8 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Obs
     Ok((report, Observation { bbox: answer.bbox.into(), search: Some(search) }))
 }
 
-/// Updates the tracker, then compares its box with the early template, adjusted to the brightness of the box.
+/// Updates the tracker, then compares the pixels at the tracked position with the early template, whose brightness and
+/// contrast are first adjusted to these pixels.
 fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Observation)> {
     let grid = tracker.target().grid().context("there is no grid yet")?;
     let early = tracker.target().early_template().context("there is no early template yet")?;

@@ -17,7 +17,7 @@ pub fn read(text: &str) -> Result<Vec<Target>> {
     Ok(targets)
 }
 
-/// A target during parsing: its locks so far, and the last frame that had a line.
+/// A target during parsing: its locks so far, and the last frame that was read for it.
 struct Reading {
     name: String,
     locks: Vec<Lock>,
@@ -73,9 +73,9 @@ fn row(names: &[&str], line: &str, all: &mut Vec<Reading>) -> Result<()> {
     if has_none { Ok(()) } else { all[at].lock(frame, bbox.join(",").parse()?) }
 }
 
-/// Parses CSV. Rows with a box become locks, except *lost* rows and trackers' answers (rows with a confidence): as a
-/// lock, the next frame's answer would end a user's correction after one frame. With a column `state`, a target is gone
-/// in frames without a row for it.
+/// Parses CSV. Rows with a box become locks, except *lost* rows and trackers' answers (rows with a confidence): if
+/// answers became locks, the one after a user's correction would replace the correction after a single frame. With a
+/// column `state`, a target is gone in frames without a row for it.
 fn of_csv(text: &str) -> Result<Vec<Reading>> {
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
     let (number, head) = lines.next().context("it is empty: expected CSV or CVAT XML")?;

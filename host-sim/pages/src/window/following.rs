@@ -1,5 +1,5 @@
-//! Runs the window's trackers in a thread and stores their answers: a [`Segment`] has those of a target from one lock
-//! (a box that the user drew) to the next. A correction creates one segment; segments out of use are kept for undo.
+//! Runs the window's trackers in a thread and stores their answers: a [`Segment`] holds a target's answers from one
+//! lock (a box that the user drew) to the next. A correction creates one segment; unused segments are kept for undo.
 //!
 //! The thread reads from the earliest frame that lacks an answer; after a lock in an earlier frame, it starts again
 //! there. If frames end or fail, segments that need later frames wait for the next change.
@@ -54,7 +54,7 @@ impl Lock {
     }
 }
 
-/// Returns an error if a non-empty box is not wholly inside frames of this width and height.
+/// Returns an error if the box of a lock is not wholly inside frames of this width and height; empty boxes pass.
 pub fn check_inside<'a>(locks: impl IntoIterator<Item = &'a Lock>, (width, height): (u16, u16)) -> Result<()> {
     let frame = Rect { x: 0, y: 0, width, height };
     for (rect, number) in locks.into_iter().filter_map(|lock| Some((lock.rect()?, lock.frame))) {
@@ -88,7 +88,7 @@ struct Key {
 struct Segment {
     /// Frame of the first row: the lock's frame, or a later one after a camera's old rows were dropped.
     first: usize,
-    /// For each frame from `first` on: position in [`ChangeLog`], ascending, and row; `None` if the frame was dropped.
+    /// (position in [`ChangeLog`], row) of each frame from `first` on; positions ascend. `None`: dropped frame.
     rows: VecDeque<(u64, Option<Row>)>,
     /// True if the tracker refused a frame, or a camera no longer keeps the lock's frame. No answers follow.
     failed: bool,
@@ -194,8 +194,8 @@ impl State {
         })
     }
 
-    /// Assigns new log positions to answers in frame `part.from` and later, so that pages load them again. Answers
-    /// after `part.to` in the same segment get new ones too, as positions must ascend within a segment.
+    /// Makes pages load the answers in `part` again, by new log positions. All later answers in the same segment also
+    /// get new positions, because positions must ascend within a segment.
     fn renew_positions(&mut self, part: TargetSpan) {
         self.log.void(part);
         let Self { targets, segments, log, settings_index, .. } = self;
@@ -233,7 +233,7 @@ impl State {
                 ensure!(!twice, "{name} has two boxes in frame {frame}: expected one");
             }
             check_gone(name, target.locks.iter().map(|lock| (lock.frame, lock.bbox.is_some())))?;
-            // A lock that has a segment already is not new: as a rule, its frame was read while it was still kept.
+            // A lock that already has a segment is not new: usually, the frame was read while the source still kept it.
             let late = planned(target, self.settings_index)
                 .find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
             if let Some((Key { lock: (frame, _), .. }, _)) = late {
@@ -366,9 +366,9 @@ impl Followed {
     }
 
     /// Replaces the targets, tracks only changed frame ranges again, and returns the new revision; `revision` is the
-    /// latest that the page has seen. Errors: A box without pixels, two locks of a target in one frame, a target that
-    /// is gone before its first box or twice without a box between, a frame that is not there or no longer kept, an
-    /// invalid name, two targets with one id, or targets that another page has changed.
+    /// latest that the page has seen. Errors: A box without pixels, two locks of a target in one frame, a "gone" lock
+    /// before a target's first box or directly after another "gone" lock, a new lock in a frame that does not exist or
+    /// is no longer kept, an invalid name, two targets with one id, or targets that another page has changed.
     pub(super) fn set_targets(&self, targets: Vec<Target>, revision: Option<u64>, source: &dyn Source) -> Result<u64> {
         let (known, oldest) = (source.known().frames, source.oldest());
         self.change(|state| {

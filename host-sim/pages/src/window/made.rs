@@ -59,8 +59,8 @@ impl Made {
         self.progress().get(&id).cloned()
     }
 
-    /// Returns the folder that file `id` is written to. If its program is cancelled or fails, the folder is removed
-    /// with all leftovers.
+    /// Returns the folder that a child process writes file `id` to. If the process is cancelled or fails, the folder is
+    /// removed with all leftovers.
     fn folder_of(&self, id: u32) -> PathBuf {
         self.folder.path().join(id.to_string())
     }
@@ -90,7 +90,7 @@ impl Made {
         let running = all.values().filter(|one| one.process.is_some()).count();
         ensure!(running < MOST, "{running} files are being made already: wait until one is done");
         let id = all.last_key_value().map_or(1, |(last, _)| last + 1);
-        // The extension of the file tells the program its format.
+        // The program derives the format to write from the extension of `name`.
         fs::create_dir(self.folder_of(id)).context("cannot make a temporary folder")?;
         let place = self.folder.private(&format!("{id}/{name}"), &[])?;
         let program = std::env::current_exe().context("cannot find host-sim itself")?;

@@ -21,10 +21,10 @@ use std::time::Duration;
 
 /// Longest time that a poll for news waits for a change.
 const PATIENCE: Duration = Duration::from_secs(15);
-/// Delay before a reply with news, so that it covers several frames.
+/// Delay before a reply with news, so that the reply covers several frames.
 const GATHERING: Duration = Duration::from_millis(40);
 
-/// Requests of a page that need the options of the command line.
+/// Handlers of those page requests that depend on the options of the command line.
 pub trait Requests: Send + Sync {
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
 

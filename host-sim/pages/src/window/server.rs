@@ -130,7 +130,7 @@ impl Server {
                     let _ = server.serve_connection(TokioIo::new(Box::pin(stream)), service).await;
                     served.strangers().remove(&id);
                 });
-                // The task cannot have removed this entry already: it runs on this thread, from the next `await` on.
+                // The task cannot remove its entry before the insertion: it starts only at this thread's next `await`.
                 let mut strangers = door.strangers();
                 strangers.insert(id, task.abort_handle());
                 if strangers.len() > MOST_STRANGERS
@@ -183,7 +183,7 @@ impl Door {
         reply(done.unwrap_or_else(|_| Reply::error(500, "host-sim failed here: please report it")))
     }
 
-    /// Returns the path behind the token; `None` if the request is refused.
+    /// Returns the part of the request's path after `/TOKEN/`; `None` if the request is refused.
     fn entered(&self, request: &hyper::Request<Incoming>) -> Option<String> {
         let Server { port, token, .. } = &self.server;
         let path = request.uri().path().strip_prefix('/')?.strip_prefix(token.as_str())?.strip_prefix('/')?;

@@ -46,7 +46,7 @@ struct SavedWork {
 }
 
 impl Session {
-    /// Reads the session of the recording at `path`, if there is one.
+    /// Opens the session of `recording`, and reads the session file at `path` if there is one.
     pub fn open(path: Option<PathBuf>, recording: &str) -> Result<(Self, Option<Work>)> {
         let there = path.as_deref().filter(|path| fs::symlink_metadata(path).is_ok());
         let read = there.map(|path| read(path).with_context(|| path.display().to_string())).transpose()?;
@@ -125,7 +125,7 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
     Ok((bytes, work))
 }
 
-/// Writes the file. First copies content other than `kept.bytes` to `NAME~`, and returns the path of the copy.
+/// Writes the file. If it holds anything but `kept.bytes`, first copies it to `NAME~` and returns the copy's path.
 fn replaced(path: &Path, kept: &mut SavedWork) -> Result<Option<PathBuf>> {
     let mut bytes = serde_json::to_vec_pretty(&kept.work)?;
     bytes.push(b'\n');

@@ -36,7 +36,7 @@ fn start(_: &mut Peripherals) -> (&'static str, u32) {
     ("RP2350", embassy_rp::clocks::clk_sys_freq())
 }
 
-/// Sets the core clock from the internal 64 MHz oscillator, and enables the caches. Returns the chip's name and hertz.
+/// Sets the core clock from the internal 64 MHz oscillator. Enables caches. Returns the chip's name and clock in Hz.
 #[cfg(not(rp2350))]
 fn start(core: &mut Peripherals) -> (&'static str, u32) {
     use embassy_stm32::rcc::{

@@ -52,7 +52,7 @@ impl<C: Copy> Colors<C> {
     }
 }
 
-/// Draws the box and, above or else below it, the name of the state. Clips at the display's edges.
+/// Draws the box, and the state's name above it, or below it for lack of room. Both are clipped at the display's edges.
 ///
 /// # Errors
 /// Errors of the display.

@@ -100,7 +100,7 @@ mod app {
         let filled = context.shared.order.lock(|order| {
             let Order { readout, pixels } = order.as_mut()?;
             match readout.push_line(*y, &camera::line(*frame, *y), &mut pixels[..]) {
-                // A request made after the first line of its window has passed waits for the next frame.
+                // If a window is requested after its first line has passed, the request waits for the next frame.
                 Ok(()) | Err(ReadoutError::LineMissing(_)) => {}
                 Err(_) => fail("the read-out refuses a line"),
             }

@@ -1,6 +1,6 @@
 //! Two bounds that exclude offsets without computing their scores, by the DSP extension. The first is the sum of points
-//! (255 - difference) at each of four neighbouring offsets. The second is the number of template pixels that differ by
-//! the threshold or more at all offsets of a 4x4 group.
+//! (255 - difference) at each of four neighbouring offsets. The second is the number of template pixels outside their
+//! ranges, which differ by the threshold or more at all offsets of a 4x4 group.
 //!
 //! Both take seven instructions for four pixels. The score itself takes 17: two loads, three for the difference, four
 //! to extract bytes, four table loads and four additions.
@@ -157,8 +157,8 @@ macro_rules! outside_word {
 #[inline(never)]
 pub(super) unsafe fn outside_ranges(pair: &Rows, allowed: u32) -> u32 {
     let mut memory = Memory { row: Row::of(pair), words: words(pair), own: entry_offset(pair, CODE_OF_A_WORD) };
-    // The count starts at -`allowed` - 1 and reaches 0 once more than `allowed` pixels are outside their ranges. A
-    // template has at most 65537 pixels.
+    // The count starts at -`allowed` - 1 and reaches 0 once more than `allowed` pixels are outside their ranges. It
+    // fits in an `i32`, because a template has at most 65537 pixels.
     let start = !allowed.cast_signed();
     let mut sum = start;
     // SAFETY: only words within a row are read. Nothing but `memory` is written.

@@ -152,7 +152,7 @@ impl RemainingOutputs {
                 "cmp r11, lr",
                 "bne 2b",
                 "b 6f",
-                // Two patches, eight inputs in a round. An odd multiple of four inputs enters the loop in its middle.
+                // Two patches, eight inputs of each in a round. If `inputs / 4` is odd, the first round takes four.
                 "3:",
                 "lsls r4, r12, #29",
                 "bmi 5f",
@@ -186,7 +186,7 @@ impl RemainingOutputs {
                 "ble 1b",
                 "cmp r4, #2",
                 "beq 7f",
-                // One output is left: goes back, and computes the last two of the row together.
+                // One output is left: goes back by one, and computes the last two outputs of the patch together.
                 "ldr r7, [r6]",
                 "subs r7, #4",
                 "str r7, [r6]",

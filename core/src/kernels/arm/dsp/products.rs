@@ -228,8 +228,8 @@ unsafe fn pairs_of_rows(to: *mut i32, width: usize, first: [*const i8; 2], secon
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
 pub(crate) const GATHER_PIECES: Option<usize> = Some(SUMS * STEP);
 
-/// Adds the gradient of the filter's error, as [`plain::gather`] specifies. A piece of work is one channel of one of
-/// the three partial sums in `three_sums.rs`.
+/// Adds the gradient of the filter's error to `sums`, as [`plain::gather`] specifies. A piece of work is one channel of
+/// one of the three partial sums in `three_sums.rs`.
 ///
 /// An error is at most 16,383, and two of them add up to at most 32,766, which fits in 16 bits. A difference of two
 /// features takes 9 bits. Each of the three sums is at most 17 * 9 * 32,766 * 128 < 2^30.
@@ -275,8 +275,8 @@ pub(crate) fn gather<const N: usize>(
                 }
             }
         }
-        // An index beyond the last row of cells reads the last row instead. The products of that row cancel: the sum
-        // `both` adds them, and the sums `upper` and `lower` subtract them.
+        // An index beyond the last row of cells reads the last row instead. The products of this substitute cancel: the
+        // sum `both` adds them, and the sums `upper` and `lower` subtract them.
         let channel_of = |row: usize| cells.as_ptr().wrapping_add(row.min(down + span - 2) * stride + channel);
         for number in 0..(rows + offsets) / 2 {
             let of = |row| channel_of(4 * number + row);
@@ -335,9 +335,9 @@ macro_rules! add {
     };
 }
 
-/// Defines a function that adds products to n sums. In each row, it takes first `count % 4` factors, then four at a
-/// time. It loads the first numbers (`$window`) again after each step before the fours. Decrements the counter of
-/// factors where it would otherwise wait for the first load of a four.
+/// Defines a function that adds products to n sums. In each row, steps of one and two take the first `count % 4`
+/// factors, then steps of four the rest. After a step of one or two, the first numbers (`$window`) are loaded again. A
+/// step of four decrements the counter of factors where it would otherwise wait for its first load.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {

@@ -44,7 +44,7 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     unsafe { spread(&from, low.as_mut_ptr(), span.as_mut_ptr()) }
 }
 
-/// Adds the similarities of the four pairs of pixels in `{w}` and `r2`.
+/// Adds to `{reachable}` the similarities of the four pairs of pixels in `{w}` and `r2`.
 macro_rules! similarities {
     () => {
         concat!(
@@ -139,7 +139,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
 /// The pictures have at least four columns.
 #[inline(always)]
 unsafe fn distance(pair: &Rows, enough: u32) -> u32 {
-    // Start of a sum that reaches 0 once the distance exceeds `enough`. It cannot overflow.
+    // `sum` starts at -`enough` - 1 and reaches 0 once the distance exceeds `enough`. The limit prevents an overflow.
     let start = !enough.min(1 << 30).cast_signed();
     let mut sum = start;
     let mut column = 0;
@@ -163,7 +163,7 @@ macro_rules! distance_of_words {
     };
 }
 
-/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on, row by row, while `sum` is negative.
+/// Adds to `sum` the differences in `width` (1..=`STRIP`) columns from `column`, row by row, while `sum` is negative.
 ///
 /// # Safety
 /// The pair has these columns, and at least four.
@@ -211,7 +211,7 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     sum
 }
 
-/// Selects the smaller (`least`) or the larger (`most`) of each two pixels in two registers. Overwrites `$free`.
+/// Selects the smaller (`least`) or larger (`most`) pixel in each lane of `$x` and `$y`. Overwrites `$free`.
 macro_rules! of_two {
     (least, $to:literal, $x:literal, $y:literal, $free:literal) => {
         concat!("usub8 ", $free, ", ", $x, ", ", $y, "\nsel ", $to, ", ", $y, ", ", $x)
@@ -308,7 +308,7 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8) {
             a = out(reg) _, b = out(reg) _, c = out(reg) _, d = out(reg) _, e = out(reg) _, f = out(reg) _,
             g = out(reg) _,
             rows = in(reg) from,
-            // One word lower, because the loop advances `at` by a word before it stores.
+            // Both pointers start one word lower, because the loop advances `at` by a word before it stores.
             low = in(reg) low.wrapping_sub(LANES),
             span = in(reg) span.wrapping_sub(LANES),
             at = inout(reg) 0 => _,

@@ -7,7 +7,7 @@ use core::mem::MaybeUninit;
 
 const LANES: usize = 4;
 /// Number of sectors: five for gradients whose x and y have equal signs, each between two neighbouring directions, and
-/// their five mirror images for gradients whose x and y differ in sign.
+/// their five mirror images (x negated) for gradients whose x and y differ in sign.
 const SECTORS: usize = 10;
 /// Lookup tables of the assembly, which depends on their offsets.
 #[repr(C, align(4))]
@@ -15,20 +15,20 @@ struct Tables([u8; 256], [[u8; 16]; 6]);
 static TABLES: Tables = Tables(
     largest_beyond(DIRECTIONS[2]),
     [
-        // For each pixel in a row of four cells, the index of sector 0 of its cell in `Memory::sectors`.
+        // For each of the 16 pixels in a row of four cells, the index in `Memory::sectors` of its cell's sector 0.
         [20, 20, 20, 20, 21, 21, 21, 21, 22, 22, 22, 22, 23, 23, 23, 23],
         // Factors of |y| in the comparisons with the directions 1, 3 and 4.
         [191; 16],
         [79; 16],
         [105; 16],
-        // For each of the 16 pixels, the index of a sector plus that of its mirror image. The last row: byte offsets of
-        // the pixels in `Memory::pixels`.
+        // For each of the 16 pixels, the sum of two indices: of any sector and of its mirror image. The last row holds
+        // byte offsets of the pixels in `Memory::pixels`.
         [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
         [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
     ],
 );
-/// Factors of the votes for directions 5 to 8, then 0 to 4. A vote adds up two neighbouring entries of
-/// `Memory::sectors`, each with two factors: one for its packed number |y| + 65,536 |x|, and one for its |x|.
+/// Factors of the votes for directions 5 to 8, then 0 to 4. A vote is a sum over two neighbouring sectors in
+/// `Memory::sectors`: each sector's number |y| + 65,536 |x| times its first factor, plus |x| times its second.
 static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
     const fn distance(beyond: bool, (cos, sin): (i32, i32)) -> [i32; 2] {
         if beyond { [cos, -sin - (cos << 16)] } else { [-cos, sin + (cos << 16)] }
@@ -51,8 +51,8 @@ static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
 #[repr(C, align(4))]
 #[allow(dead_code)] // the assembly reads it
 struct Memory {
-    /// Gradients of a row of pixels: `[pixel of a cell][kind][cell][byte]`. The bytes of kind 0 are |y| and |x|. Those
-    /// of kind 1 are the index of a pair `[|y|, |x|]` in `sectors`, and zero.
+    /// Gradients of a row of pixels: `[pixel of a cell][kind][cell][byte]`. Kind 0 holds the bytes |y| and |x|. Kind 1
+    /// holds the index of the pair in `sectors` to which they are added, and a zero byte.
     pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
     /// Sums `[sector][cell][|y|, |x|]`: first sectors 4 to 0 of gradients whose x and y differ in sign, then sectors 0
     /// to 4 of those with equal signs, so that two sectors next to each other vote for a common direction.
@@ -145,7 +145,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vldrw.u32 q1, [r3, #256]",
                 beyond!("q2"),
                 "vldrb.u8 q2, [r3, q5]",
-                // Selects mirrored sectors if x and y differ in sign. If x or y is 0, this does not change the votes.
+                // Selects mirrored sectors if x and y differ in sign. If x or y is 0, both choices give the same votes.
                 "veor q4, q4, q3",
                 beyond!("q2"),
                 "vldrw.u32 q3, [r3, #288]",
@@ -182,8 +182,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vstrh.32 q6, [r0]",
                 "sub r0, r0, #4 * {row}",
                 // Sector 4 and its mirror image both vote for directions 4 and 5, with equal factors of |y| and
-                // opposite factors of |x|. So each of the two sums is replaced by the sum of both |y|, and |x| of
-                // sector 4 minus |x| of the image.
+                // opposite factors of |x|. So one pair replaces the pairs of both: |y| of sector 4 plus |y| of the
+                // image, and |x| of sector 4 minus |x| of the image.
                 "vldrw.u32 q0, [r11]",
                 "vldrw.u32 q1, [r11, #144]",
                 "mvn r2, #0",

@@ -69,8 +69,8 @@ struct Rows {
     weights: usize,
 }
 
-/// Defines a function for the sums at neighbouring offsets, `APART` bytes apart: the first sum in r0, the others in the
-/// given registers. `asm!` may not name r6, so the lines that use it are separate arguments.
+/// Defines a function for the sums at offsets `APART` bytes apart: the first sum in r0, the others in the given
+/// registers. `asm!` takes no operand in r6, so the lines with r6 are arguments: `$begin`, `$seventh`, `$end`.
 macro_rules! sums {
     (
         $name:ident: $sums:expr;
@@ -144,8 +144,8 @@ impl Rows {
     }
 }
 
-/// Adds the products of eight errors of a row and the bytes under them to the sum of each of six neighbouring offsets,
-/// or of seven if `seven` is 1.
+/// Multiplies eight errors of a row by the bytes under them at each of six neighbouring offsets (seven if `seven` is
+/// 1), and adds the products to the sum of that offset.
 macro_rules! eight {
     () => {
         "vldrh.u16 q0, [r3], #16

@@ -121,9 +121,9 @@ macro_rules! of_four {
     };
 }
 
-/// Takes the minimum and maximum of the four pixels in each column, then those of a lane and the three lanes before it
-/// (four columns). So the block of a lane begins three columns before it, and the first three lanes of the first vector
-/// are not stored.
+/// Takes the minimum and maximum of the four pixels in each column, then the extremes of four columns: a lane and the
+/// three lanes before it. So the block of a lane begins three columns before the lane, and the first three lanes of the
+/// first vector are not stored.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let columns = blocks(rows, low, span);
     if columns == 0 {

@@ -1,5 +1,5 @@
-//! Weights of a filter by Helium, four at a time. In a loop from `dlstp` to `letp`, the last round uses one lane for
-//! each remaining number.
+//! Weights of a filter by Helium, four at a time. In a loop from `dlstp` to `letp`, the last round uses only as many
+//! lanes as there are weights left.
 
 use crate::kernels::plain::weights as plain;
 use core::arch::asm;

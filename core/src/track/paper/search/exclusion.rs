@@ -1,4 +1,4 @@
-//! Excludes whole groups of 4x4 offsets by the gray ranges (minimum and maximum) of blocks of 4x4 pixels.
+//! Excludes whole groups of 4x4 offsets by the gray ranges (minimum and maximum) of the frame's blocks of 4x4 pixels.
 //!
 //! 1. Over the offsets of a group, template pixel t is compared with the pixels of one 4x4 block of the frame. Each of
 //!    its differences is at least d(t) = max(low - t, t - high, 0), where low..=high is the range of the block.
@@ -43,7 +43,7 @@ struct Shape {
     /// Columns and rows of the largest tile, in offsets.
     columns: usize,
     rows: usize,
-    /// Log2 of the passes over a tile, 0, 1 or 2: each pass covers every row of ranges, every second or every fourth.
+    /// Log2 of the passes over a tile: 0 if a pass covers every row of ranges, 1 for every second, 2 for every fourth.
     log2_passes: u32,
 }
 
@@ -59,7 +59,7 @@ impl Remaining {
     /// All groups of a tile: [`Ranges::remaining_part`] clips the rectangle to the tile.
     const ALL: Self = Self { columns: [0, u16::MAX], rows: [0, u16::MAX] };
 
-    /// Extends the rectangle to the group that begins at this offset of the tile.
+    /// Extends the rectangle to include the group that begins at offset (`column`, `row`) of the tile.
     #[allow(clippy::cast_possible_truncation)] // a window has at most 131071 offsets on an axis
     #[cfg_attr(smr_small, inline(never))] // keeps its registers out of its caller
     fn add(&mut self, (column, row): (usize, usize)) {
@@ -111,7 +111,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         }
     }
 
-    /// Divides `window` into tiles. False if that is impossible (fewer than 4 rows or columns) or would save no work.
+    /// Divides `window` into tiles. False if no tile of 4x4 offsets or more fits, or its ranges cost too much (`pays`).
     pub(super) fn divide(&mut self, window: &Window, template: Image<'_>) -> bool {
         let shape = Shape::of((template.width(), template.height()), window.size(), PIXELS, 3 * SPAN);
         self.shape = shape.unwrap_or(self.shape);
@@ -169,8 +169,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Some(Tile { column: tile.column + column, row: tile.row + row, columns, rows })
     }
 
-    /// Indices of the rows of ranges that a pass needs for `rest`, a part of `tile`: index i stands for the tile's row
-    /// of ranges `pass` + i * `passes()`.
+    /// Indices of the rows of ranges that a pass needs for `rest`, a part of `tile`. Of all rows of ranges of the tile,
+    /// index i stands for row `pass` + i * `passes()`.
     pub(super) fn rows(&self, tile: &Tile, rest: &Tile, pass: usize) -> Range<usize> {
         let first = rest.row - tile.row;
         let [first, end] = [first, first + self.shape.rows_of(rest.rows)]
@@ -269,7 +269,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let is_whole = cfg!(not(smr_small)) && passes == 1; // saves a division
             let template = if is_whole { template } else { template.every(first, passes)? };
             let pixels = u32::from(template.width()) * u32::from(template.height());
-            // `bound` still counts this pass's rows as fully similar: puts an upper bound of their score instead.
+            // `bound` still counts this pass's rows as fully similar: replaces their share by an upper bound of it.
             let others = *bound - pixels * u32::from(Table::ONE);
             let score = scorer.bound(&blocks, template, needed.saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
@@ -290,7 +290,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         self.bounds.as_flattened().get(group).is_some_and(|&bound| bound >= needed)
     }
 
-    /// The first group from `group` on whose bound is at least `needed` and not 0.
+    /// Index of the first group, `group` or a later one, that has a bound of at least `needed` and not 0.
     pub(super) fn next_group(&self, tile: &Tile, group: usize, needed: u32) -> Option<usize> {
         let bounds = self.bounds.as_flattened().get(..tile.groups())?.get(group..)?;
         Some(group + rolled(bounds.iter()).position(|&bound| bound >= needed.max(1))?)
@@ -350,7 +350,7 @@ impl Shape {
     }
 }
 
-/// (first, count) of a tile on an axis of `all` offsets. The last tile may start earlier, to have at least 4 offsets.
+/// First offset and size of a tile on an axis of `all` offsets. A tile begins before `from` if fewer than 4 are left.
 #[cfg_attr(smr_small, inline(never))]
 fn tile_extent(from: usize, most: usize, all: usize) -> (usize, usize) {
     let size = most.min(all.saturating_sub(from)).max(SIDE.min(all));
@@ -358,10 +358,10 @@ fn tile_extent(from: usize, most: usize, all: usize) -> (usize, usize) {
 }
 
 /// True if further passes over a group are worthwhile after `done` of `passes` passes: its `bound` still reaches
-/// `needed`, but would end at `needed` or below if each pass, done or not, took 5/4 of the mean loss of those done.
-/// Other groups get no more passes, so a search that can exclude nothing stops bounding after the first pass.
+/// `needed`, but would end at `needed` or below if each of the `passes` passes lost 5/4 of the mean loss of the passes
+/// done. Other groups get no more passes, so a search that can exclude nothing stops bounding after the first pass.
 fn is_promising(bound: u32, needed: u32, area: u32, done: usize, passes: usize) -> bool {
-    // The loss of score, divided by 32 so that 20 times a loss fits a `u32`.
+    // The loss from the full score to `score`, divided by 32 so that 20 times a loss fits a `u32`.
     let lost = |score: u32| (area * u32::from(Table::ONE)).saturating_sub(score) >> 5;
     #[allow(clippy::cast_possible_truncation)] // at most 4 passes
     let (taken, allowed) = (lost(bound) * 5 * passes as u32, lost(needed) * 4 * done as u32);

@@ -17,8 +17,8 @@ pub(super) struct Leaders<const SPAN: usize> {
     maxima: Maxima<SPAN>,
 }
 
-/// The goal of a search besides the peak, and the progress towards it: nothing; whether an offset outside the peak's
-/// neighbourhood scores as much as the peak; or the runner-up.
+/// The second goal of a search, besides the peak, and the progress towards it: none; to find out whether an offset
+/// outside the peak's neighbourhood scores as much as the peak; or to find the runner-up.
 #[derive(Clone, Copy)]
 enum SecondGoal {
     Nothing,
@@ -47,8 +47,8 @@ impl Equals {
         (self.top, self.bottom) = (self.top.min(other.y), self.bottom.max(other.y));
     }
 
-    /// True if two of the offsets are more than 2 * neighbourhood apart (in x or in y): so whichever offset is the
-    /// peak, one of the two is outside its neighbourhood.
+    /// True if two offsets with the peak's score are more than 2 * neighbourhood apart (in x or in y). Then one of the
+    /// two is outside the peak's neighbourhood, whichever offset is the peak.
     fn are_apart(&self) -> bool {
         self.right.abs_diff(self.left).max(self.bottom.abs_diff(self.top)) > 2 * u32::from(self.neighbourhood)
     }

@@ -1,4 +1,4 @@
-//! The largest number of comparisons of a search, reached if no offset can be excluded. Counted as in `scan.rs`.
+//! Upper bound of the comparisons of a search, even if no offset can be excluded. Counted as in `scan.rs`.
 
 use super::exclusion::{Ranges, SIDE};
 use super::scan::{MOST_STEPS, SAD_STEP, first_step_of};

@@ -72,7 +72,7 @@ impl Place {
     }
 }
 
-/// The descent: moves to the least SAD among the centre and its 8 neighbours at distance `step`, then halves `step`.
+/// The descent: moves to the least SAD of the present position and its 8 neighbours `step` away, then halves `step`.
 #[derive(Clone, Copy)]
 pub(super) struct Descent {
     /// The position whose neighbours are compared.

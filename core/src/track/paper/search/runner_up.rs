@@ -69,7 +69,7 @@ fn raise(maxima: &mut [u32], first: i32, at: i32, score: u32) {
     }
 }
 
-/// `max over i, j with j - i > distance of min(maxima[i], maxima[j])`, in one pass.
+/// The largest `min(maxima[i], maxima[j])` of all pairs with `j - i > distance`, found in one pass; 0 without a pair.
 ///
 /// Two indices move inwards from the ends. `before` and `behind` are the largest entries passed on each side. A pair
 /// that uses the smaller of the two cannot be better than the present pair, so the index on the smaller side moves on.

@@ -81,7 +81,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.place.next += 1;
     }
 
-    /// Scores the next offset of the window, which it goes through row by row.
+    /// Scores the next offset of the window, taken row by row.
     fn next_offset(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
         let (x, y) = scene.window.position(self.place.column, self.place.row);
@@ -95,7 +95,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Begins the descent at the last position. In a small window or at the frame's edge, the descent ends at once.
+    /// Begins the descent at the last position. In a small window or for a box partly off the frame, it ends at once.
     pub(super) fn last_position(&mut self, scene: &Scene<'_>) {
         let (x, y) = scene.window.centre();
         self.descent = Descent { x, y, best: (x, y), best_sad: u32::MAX, step: 0 };

@@ -17,7 +17,7 @@ enum Kind {
     /// Random black and white pixels.
     Saturated,
     Periodic,
-    /// Stripes: every block of 4x4 has the same range.
+    /// Each column alternates between two gray levels, so every block of 4x4 pixels has the same range.
     EqualRanges,
     Gradient,
 }
@@ -52,7 +52,7 @@ struct Case {
     seed: u32,
     frame: (u16, u16),
     template: (u16, u16),
-    /// Noise added to the template, in gray levels.
+    /// Largest noise added to a pixel of the template, in gray levels.
     noise: u8,
     window: Window,
     threshold: u16,
@@ -65,7 +65,7 @@ static STEEP: Table = match Table::new(20) {
     Err(_) => panic!("20 is in range"),
 };
 
-/// The capacity of the search in pixels: just the largest template's, so that large windows need several tiles.
+/// The capacity of the search in pixels: the size of the largest template, so that large windows need several tiles.
 const PIXELS: usize = 24 * 20;
 
 prop_compose! {

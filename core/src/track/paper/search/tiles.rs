@@ -175,10 +175,10 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// The offsets of `wanted` (a bit mask of four, from (`x`, `y`) to the right) whose upper bound of the score reaches
-/// `needed`. For this bound, `Scorer::candidates` compares the template pixels that are in the frame at all four
-/// offsets; pixels outside at all four score as on padding, and the rest count as fully similar. `None` if no offset
-/// can be excluded.
+/// The offsets of `wanted` (bit i stands for the offset (`x` + i, `y`), i from 0 to 3) whose upper bound of the score
+/// reaches `needed`. In this bound, `Scorer::candidates` compares the template pixels that are in the frame at all four
+/// offsets. Template pixels that are outside the frame at all four score as on padding; the others count as fully
+/// similar. `None` if no offset can be excluded.
 fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
     let Scene { frame, template, scorer, .. } = scene;
     let four = Rect::new(x, y, template.width().saturating_add(3), template.height());

@@ -1,4 +1,4 @@
-//! The search window (all positions of the box in the next frame), the goal and result of a search, the tie rule.
+//! The search window (the positions of the box that a search considers), the goal and result of a search, the tie rule.
 
 use crate::image::Rect;
 use core::ops::RangeInclusive;
@@ -164,7 +164,7 @@ fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
 }
 
 /// (first, last) position of the window around `at` on an axis, clamped to the positions of the box in the padded
-/// frame. The range is not empty, even if `at` lies outside.
+/// frame. The range is not empty, even if `at` is none of these positions.
 #[cfg_attr(smr_small, inline(never))]
 fn span(at: i32, radius: u16, padding: u16, frame: u16, size: u16) -> (i32, i32) {
     let first = -i32::from(padding);

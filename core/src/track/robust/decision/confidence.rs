@@ -52,8 +52,8 @@ impl Confidence {
     /// The confidence in a target that the refiner gives up: only redetection can find it again.
     pub(crate) const NONE: Self = Self(0);
 
-    /// The confidence after redetection: the evidence, clamped to the means that give the state *uncertain*. If no mean
-    /// gives it, the least mean that is not *lost*.
+    /// The confidence after redetection: the evidence, clamped to the range in which the state is *uncertain*. If that
+    /// range is empty, the least mean at which the state is not *lost*.
     pub(crate) fn found(evidence: Evidence, config: &Config) -> Self {
         let below = |bound: u16| (3 * i32::from(bound) + 1) / 2;
         Self(evidence.0.min(below(config.uncertain_below) - 1).max(below(config.lost_below)))

@@ -1,4 +1,4 @@
-//! Redetection: for a lost target, each update searches more windows. Over several frames they cover the whole picture.
+//! Redetection: each update searches a few windows for a lost target. Over several frames, they cover the picture.
 //!
 //! The windows cover the picture side by side, row by row. A frame searches and verifies the next `Config::sweep`
 //! windows, until one shows the target, but none beyond the end of a row, so that they lie in one rectangle.

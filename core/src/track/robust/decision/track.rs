@@ -42,7 +42,7 @@ impl Track {
         }
     }
 
-    /// The state of the answer: the worse of the state by confidence and, if the refiner is on, that by its opinion.
+    /// The state of the answer: the worse of the state by confidence and, if the refiner is on, the refiner's opinion.
     #[inline(never)]
     pub(crate) fn state(&self, config: &Config) -> State {
         let (state, opinion) = (self.confidence.state(config), self.review.state());

@@ -47,7 +47,7 @@ const fn columns(extent: Extent) -> u32 {
     (extent.across + 2 * extent.reach) * CELL as u32 + 2
 }
 
-/// Sums over each cell's samples, `[channel][cell]`: of gradients by orientation, then of gray levels (at most 4,080).
+/// Sums over each cell's samples, `[channel][cell]`: gradients by orientation, then gray levels (a sum up to 4,080).
 pub(super) type Row = [[u16; ROW]];
 const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
 
@@ -109,7 +109,7 @@ impl Extractor {
         lattice.prepare(bounds, &mut self.sampling);
     }
 
-    /// Computes the next row of cells. Returns true to end: after the last row, or if a needed pixel is not in memory.
+    /// Computes the next row of cells. True when done: after the last row, or if a needed pixel is not in memory.
     #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [i8], budget: &mut Budget) -> bool {
         let done = self.row(frame, out);

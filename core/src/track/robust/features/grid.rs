@@ -68,7 +68,7 @@ impl Grid {
     }
 }
 
-/// Columns and rows of the largest filter, in cells, and the radius of its search. Upper bounds of work depend on them.
+/// The size of a filter, in cells, and the radius of its search window. Upper bounds of work are computed from them.
 #[derive(Clone, Copy)]
 pub(crate) struct Extent {
     pub(crate) across: u32,

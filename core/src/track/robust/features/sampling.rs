@@ -100,8 +100,8 @@ impl Lattice {
         Self { x, y, step, step_down: step, columns, rows }
     }
 
-    /// The least number of halvings of the frame that makes the mean of `step` and `step_down` less than two sides of a
-    /// block.
+    /// The least number of halvings of the frame with which the mean of `step` and `step_down` is less than twice the
+    /// side length of a block.
     #[inline(never)]
     fn halvings(&self) -> u32 {
         // The least number h of halvings with which `sum` is below 2^(h + BITS).
@@ -169,7 +169,7 @@ impl Lattice {
 
 const _: () = assert!(ROW < Interpolation::<COLUMNS>::LEFT_SAMPLES);
 
-/// The state of sampling: the lattice on the reduced frame, and two rows of that frame.
+/// The state of sampling: the lattice on the frame reduced by `halvings`, and two rows of the reduced frame.
 pub(crate) struct Sampling {
     columns: Interpolation<COLUMNS>,
     down: Axis,
@@ -217,7 +217,7 @@ impl Sampling {
         self.next
     }
 
-    /// Samples the next row into its place in `out`, if all its pixels are in memory. True after the last row.
+    /// Samples the next row into its place in `out`, if all needed pixels are in memory. Returns true at the last row.
     #[inline(never)]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
         let columns = self.columns.count();
@@ -252,7 +252,7 @@ impl Sampler<'_> {
     #[inline(never)]
     pub(crate) fn row(&mut self, number: u16, out: &mut [u8]) {
         let (upper, lower, fraction) = self.sampling.down.at(number);
-        // Block indices start at the first block that is read, not at the frame's edge.
+        // From here on, block indices count from the first block that is read, not from the frame's edge.
         let (top, _) = self.sampling.down.block_at(0);
         let (upper, lower) = (upper.wrapping_sub(top), lower.wrapping_sub(top));
         self.make(upper);
@@ -322,8 +322,8 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// Indices of the two columns (and rows) of a block that are read: in blocks of 2x2 pixels both, in larger blocks those
-/// that begin at a quarter and at three quarters of the side.
+/// The two indices at which a block's columns and rows are read: 0 and 1 in blocks of 2x2 pixels, a quarter and three
+/// quarters of the side in larger blocks.
 fn pair(halvings: u32) -> [u16; 2] {
     let side = 1_u16 << halvings;
     [side >> 2, (side >> 2) + (side >> 1)]

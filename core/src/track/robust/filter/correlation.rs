@@ -78,8 +78,8 @@ impl<const N: usize> Coded<N> {
     #[inline(never)]
     #[allow(clippy::cast_possible_truncation)] // at most 2047 + 3/4 * 8191, a coded value
     pub(super) fn set_direction(&mut self, sums: &[i32], unit: u32, beta: i64) {
-        // The largest beta, 3/4, in units of 1/65536. Below, 9 bits of the right shift convert beta to this unit; the
-        // rest (`self.shift` - `unit`) converts from the scale of the old direction to that of the new one.
+        // The largest beta, 3/4, in units of 1/65536. The next right shift converts beta to this unit (9 bits) and from
+        // the scale of the old direction to that of the new one (`self.shift` - `unit` bits).
         const MOST: i32 = 3 << 14;
         let beta = beta >> (9 + self.shift).saturating_sub(unit);
         let beta = i32::try_from(beta).unwrap_or(MOST).min(MOST);
@@ -124,7 +124,7 @@ pub(super) fn shift_below(largest: u32, bound: u32) -> u32 {
     shift
 }
 
-/// The correlation filter: up to `N` weights, one for each channel of each cell. Unit: 2^-16 / 16384.
+/// The correlation filter: up to `N` weights, one for each channel of each cell, in units of 2^-16 / 16384.
 pub(crate) struct Filter<const N: usize> {
     weights: Vec<i32, N>,
 }

@@ -10,12 +10,12 @@ use super::super::features::Grid;
 use crate::kernels::rolled;
 use crate::similarity::PAPER;
 
-/// The Gaussian's factor for each whole 256 of x, exp(-256 / 255), in units of 1/65536. The table ends at x = 255.
+/// exp(-256 / 255) in units of 1/65536: a step of 256 in x multiplies the Gaussian by it. The table ends at x = 255.
 const LOWER: u32 = 24_015;
 
 #[derive(Clone, Copy)]
 pub(crate) struct Gaussian {
-    /// The factor 255 / sigma^2 in x = 255 / 2 * (d / sigma)^2, in units of 2^-24.
+    /// 255 / sigma^2, in units of 2^-24: x is this factor times d^2 / 2.
     factor: u32,
 }
 

@@ -69,7 +69,7 @@ pub(crate) struct Training<'a> {
     pub(crate) products: Products,
 }
 
-/// Sums for each weight and each offset, and 16-bit errors. Other stages reuse this memory: see `run/buffers.rs`.
+/// Sums for all weights and for all offsets, and 16-bit errors. Other stages reuse this memory: see `run/buffers.rs`.
 pub(crate) struct Sums {
     /// The gradient, in the unit of `coded_errors`. While responses are computed, scratch memory.
     pub(crate) per_weight: [i32; WEIGHTS],
@@ -116,7 +116,7 @@ impl Sums {
         descent_before: i64,
         direction: &mut Coded<WEIGHTS>,
     ) -> i64 {
-        // Clears the gradient's scratch: `step_length` adds up all offsets, even those without a response.
+        // Clears `per_offset`, until now scratch: `step_length` adds up all offsets, even those without a response.
         self.per_offset.as_flattened_mut().fill(0);
         let weights = training.filter.weights();
         let sums = self.per_weight.get_mut(..weights.len()).unwrap_or_default();
@@ -139,7 +139,7 @@ impl Sums {
         }
     }
 
-    /// Subtracts `length` times the responses to the direction from `responses`. Overwrites the coded errors.
+    /// Applies a step to `responses`: subtracts `length` times the responses to `direction`. Overwrites `coded_errors`.
     #[inline(never)]
     pub(crate) fn descend(&mut self, length: i64, direction: &Coded<WEIGHTS>, responses: &mut Responses) {
         let numbers = ScaledSums::of(self.per_offset.as_flattened());

@@ -104,7 +104,7 @@ pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let mut response = responses.at(x, y).unwrap_or(i32::MIN);
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
-            // Skips the penalty if a response does not exceed the best one even without it: a penalty never raises it.
+            // Skips the penalty if even the response without it is at most the best one: no penalty raises a response.
             let counted = if candidate > response { responses.with_penalty(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);
@@ -154,7 +154,7 @@ fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
 }
 
 /// The top of a parabola through three equidistant responses: its place from the middle one, in units of 1/256 of the
-/// distance (-128 to 128), and its height above the middle one. Both are 0 if the middle one is no maximum.
+/// distance (-128 to 128), and its height above the middle one. Both are 0 if the parabola has no maximum.
 #[inline(never)]
 fn top(before: i32, at: i32, after: i32) -> (i32, i32) {
     // Responses are at most 2^24.

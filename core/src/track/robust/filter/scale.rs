@@ -21,7 +21,7 @@ use crate::kernels::Products;
 use crate::track::update::Budget;
 use heapless::Vec;
 
-/// Bytes of the largest window of features. The longest filter needs it, because its margin has the most cells.
+/// Size of the largest window of features, in bytes: that of the longest filter, whose margin has the most cells.
 const CELLS: usize =
     (MOST_SIDE + 2 * SCALE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
 const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;

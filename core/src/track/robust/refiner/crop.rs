@@ -102,7 +102,8 @@ impl Crop {
     }
 }
 
-/// Replaces samples by network inputs. `squares` is below 2^26, and a deviation times `gain` is at most 255 * 2^14.
+/// Replaces samples by network inputs. Nothing overflows: `squares` is below 2^26, and a sample's deviation from the
+/// mean times `gain` is at most 255 * 2^14.
 #[inline(never)]
 fn normalise(crop: &mut [i8; SAMPLES]) {
     let sample = |&sample: &i8| i32::from(sample.cast_unsigned());
@@ -140,7 +141,7 @@ impl First {
         self.crop.iter().for_each(|input| to.put(&input.to_le_bytes()));
     }
 
-    /// Restores a saved crop. `None`, and no change, if a sample is out of range or other bytes follow.
+    /// Restores a saved crop. `None`, and no change, if the bytes are fewer or more than a crop or one is above 127.
     pub(crate) fn restore(&mut self, from: &mut Reader<'_>) -> Option<()> {
         let crop = from.slice(SAMPLES).filter(|crop| from.is_empty() && crop.iter().all(|&input| input <= 127))?;
         self.crop.clear();
@@ -163,7 +164,7 @@ impl FirstCrop {
         sampling: &mut Sampling,
         bytes: &mut Vec<i8, N>,
     ) -> Option<Self> {
-        // Cannot fail: the memory has room for the features at one scale, which take more bytes.
+        // Cannot fail: the memory has room for the features at one scale, which take more bytes than a crop.
         let _ = bytes.resize_default(SAMPLES);
         Some(Self(Crop::begin(target, bounds, sampling)))
     }

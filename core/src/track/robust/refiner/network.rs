@@ -24,9 +24,9 @@ use crate::kernels::copy;
 use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::update::{Budget, units};
 
-/// The network's estimate: the centre's shift to the right and down, in box sides; logarithms of the factors of width
-/// and height; logarithms of the expected errors of place and size, where 0 is an error of e^-1.5 box sides. Unit of
-/// all six numbers: 1/4096.
+/// The network's estimate: the centre's shift to the right and down, in box sides; natural logarithms of the factors
+/// that correct width and height; natural logarithms of the expected errors of place and size, where 0 is an error of
+/// e^-1.5 box sides. Unit of all six numbers: 1/4096.
 pub(crate) type Outputs = [i32; 6];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
@@ -119,8 +119,8 @@ pub(super) const WORK: u32 = {
     sum as u32
 };
 
-/// Bytes of scratch memory: the patches of a row, the inputs of two layers in turn, and `SPARE` bytes for the kernels.
-/// The patches overwrite the present crop.
+/// Bytes of scratch memory: the patches of one row, the inputs of even layers, those of odd layers, and `SPARE` bytes
+/// for the kernels. The present frame's crop lies at the start, until the first patches overwrite it.
 const PATCHES: usize = 1152;
 const INPUTS: usize = 2592;
 pub(super) const ROOM: usize = PATCHES + 2 * INPUTS + SPARE;
@@ -167,7 +167,7 @@ impl Layers {
         Self { number: 0, row: 0 }
     }
 
-    /// Computes one row of a convolution, or both fully connected layers. Returns the outputs after the last layer.
+    /// Computes one row of a convolution, or both fully connected layers; the latter return the network's estimate.
     #[inline(never)]
     pub(super) fn next_row(&mut self, dense: Dense, scratch: &mut [i8], budget: &mut Budget) -> Option<Outputs> {
         let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 6]) };
@@ -207,7 +207,7 @@ fn regions(scratch: &mut [i8]) -> Option<[&mut [i8]; 4]> {
     Some([patches, even, odd, spare])
 }
 
-/// Copies the 3x3 input pixels under each output pixel of a row to `patches`. Returns the length of all patches.
+/// Copies the 3x3 input pixels under each output pixel of a row to `patches`. Returns the total length of the patches.
 #[inline(never)]
 fn gather(of: Convolution, length: usize, row: usize, inputs: &[i8], patches: &mut [i8]) -> usize {
     let patches = patches.chunks_mut(length.max(1)).take(of.side);
@@ -244,7 +244,7 @@ fn full(dense: Dense, inputs: &[i8], budget: &mut Budget) -> Outputs {
 mod tests {
     use super::*;
 
-    /// With inputs of 0 or 127, whichever is worst, no sum of any layer exceeds an `i32`.
+    /// Checks that no layer's sum for inputs of 0 to 127 reaches 2^28 in magnitude, and that no weight is -128.
     #[test]
     fn the_largest_sums() {
         for (number, (inputs, outputs)) in LAYERS.into_iter().enumerate() {

@@ -97,7 +97,7 @@ impl Opinion {
 mod tests {
     use super::*;
 
-    /// The logarithms of the spreads (expected errors) are outputs of the network: sums below 2^28.
+    /// Each spread is the logarithm of an expected error, an output of the network with a magnitude below 2^28.
     #[test]
     fn the_same_spreads_again_and_again_stay_within_bounds() {
         const LARGEST: i32 = 1 << 28;

@@ -1,4 +1,4 @@
-//! Scratch memory of an update or a lock. Stages use it in turn: for example, the extractor lends the filter its sums.
+//! Scratch memory of an update or a lock. Stages use it in turn: the filter, for example, borrows the extractor's sums.
 //!
 //! | stage | `extractor` | `large` | `responses` | `coded` | `sums` | `small` | `comparison` |
 //! |---|---|---|---|---|---|---|---|

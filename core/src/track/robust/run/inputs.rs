@@ -25,7 +25,7 @@ impl Inputs<'_> {
         buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.large);
     }
 
-    /// Measures the contrast of the search window from its features, to predict the target's gain of contrast.
+    /// Measures the search window's contrast from its features, and predicts the gain of the target's contrast from it.
     #[inline(never)]
     pub(super) fn measure_light(&self, buffers: &mut Buffers, budget: &mut Budget) {
         buffers.comparison.expect(self.track.light, window_contrast(&buffers.large));

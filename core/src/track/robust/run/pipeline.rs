@@ -103,7 +103,7 @@ impl Pipeline {
         }
     }
 
-    /// Runs one indivisible piece of work. Functions that are not inlined begin the stages, to save stack here.
+    /// Runs one indivisible piece of work. Calls functions that are not inlined to begin a stage, to save stack here.
     fn next_piece(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
         match &mut self.stage {
             Stage::Done => {}

@@ -73,8 +73,8 @@ fn pixels(track: &Track, place: &Place, reach: u16) -> Rect {
 }
 
 /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`. Includes
-/// a margin: the peak may lie between cells, alignment moves by up to `MARGIN` pixels, refinement by one, and the scale
-/// may grow by a step.
+/// a margin: the peak may lie between cells, alignment moves by up to `MARGIN` pixels of the grid, refinement by one,
+/// and the scale may grow by a step.
 fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
     let [_, larger] = other_scales(centre.scale);
     let pixels = (reach + 1) * CELL + MARGIN + 2;

@@ -1,4 +1,4 @@
-//! Verification: compares the early template with the patch at the filter's peak, to decide if it shows the target.
+//! Verification: decides if the patch at the filter's peak shows the target, by comparison with the early template.
 //!
 //! The template is moved to its best fit in the view, the samples around the peak ([`alignment`](super::alignment)),
 //! and adapted to the light there (`lighting.rs`). Both are compared tile by tile:
@@ -23,8 +23,8 @@ use crate::similarity::{Contrast, CutTable, Scorer};
 use crate::track::update::Budget;
 use heapless::Vec;
 
-/// Pixels of the largest view: a template with `MARGIN` pixels on each side. Among the templates of `MOST_PIXELS`, the
-/// longest and narrowest has the largest margin.
+/// The number of pixels of the largest view: a template with `MARGIN` more pixels on each side. Among the templates of
+/// `MOST_PIXELS` pixels, the longest and narrowest needs the most pixels around it.
 const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
     * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
 
@@ -90,7 +90,7 @@ pub(crate) struct Comparison {
     contrast: Contrast,
     /// The contrast of the search window, in units of 1/16 gray level.
     window: u32,
-    /// The gain of contrast that the search window predicts, and the gain of the last relighting, in units of 1/256.
+    /// Gains of the target's contrast, in units of 1/256: predicted from the search window, and of the last relighting.
     expected: u32,
     gain: u32,
     view: Vec<u8, VIEW>,
@@ -267,7 +267,7 @@ impl Verification {
     }
 }
 
-/// The fourth lowest similarity ratio of the tiles, in units of 1/65535.
+/// The fourth lowest of the 16 tiles' SMR ratios, in units of 1/65535.
 fn fourth_least(patch: Image<'_>, relit: Image<'_>, scorer: &Scorer<'_>) -> u16 {
     let mut least = [u16::MAX; AGREEMENT_RANK];
     for (row, column) in (0..TILES).flat_map(|row| (0..TILES).map(move |column| (row, column))) {

@@ -41,7 +41,7 @@ fn count(cells: &[i8]) -> u32 {
     u32::try_from(cells.len() / CHANNELS).unwrap_or(0)
 }
 
-/// The gain of the target's contrast for each gray level of the search window's contrast, in units of 1/16384.
+/// The gain of the target's contrast divided by the search window's contrast, in units of 1/16384 per gray level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Light(u32);
 

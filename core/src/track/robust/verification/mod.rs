@@ -1,5 +1,5 @@
 //! Verification by the early `template`: finds its best `alignment`, adapts it to the `lighting`, computes its
-//! `agreement` tile by tile, and by `refinement` the exact place and size.
+//! `agreement` tile by tile, and finds the target's exact place and size (`refinement`).
 
 pub(super) mod agreement;
 mod alignment;

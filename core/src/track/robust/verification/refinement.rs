@@ -36,8 +36,8 @@ pub(crate) struct Refined {
     pub(crate) growth: i32,
 }
 
-/// Refines an alignment with the patch `seen` there and the relit template. Returns `None` if `agreement` is below
-/// `REFINED_FROM`. `alpha` is at most 100 gray levels.
+/// Refines an alignment by comparing `seen`, the patch there, with `relit`, the relit template. Returns `None` if
+/// `agreement` is below `REFINED_FROM`. `alpha` is at most 100 gray levels.
 pub(crate) fn refine(
     agreement: u16,
     (right, down): Alignment,
@@ -62,7 +62,7 @@ struct NormalEquations {
     /// Sums of products of two slopes (right and down, right and outward, down and outward): the elements of S off the
     /// diagonal.
     products: [i32; 3],
-    /// Sums of each slope times the difference `seen` - `relit` of the pixel, which is clamped to +-`alpha`.
+    /// For each slope, the sum of its products with the pixels' differences `seen` - `relit`, clamped to +-`alpha`.
     errors: [i32; 3],
 }
 

@@ -29,8 +29,8 @@ impl Tracks {
         (self.size, self.frames) = (answer.size, self.frames.max(answer.frame));
         let track = &mut self.tracks[answer.target];
         let target = answer.report.and_then(|report| report.target);
-        // `outside="1"` holds until the next box, so one such box is enough for a lost target. Another one follows if
-        // the user then marks the target as gone.
+        // `outside="1"` holds until the next box, so one box with it is enough while a target is lost. If the user then
+        // marks the target as gone, a second one, without `source`, follows.
         let (is_outside, is_gone) = (target.is_none(), answer.report.is_none());
         let is_told = track.is_outside && (track.is_gone || !is_gone);
         let Some(seen) = target.or(track.last.filter(|_| !is_told)) else { return };

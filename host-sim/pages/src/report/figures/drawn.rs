@@ -37,7 +37,8 @@ pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(3.0 * GAP + size.1.max(2.0 * ROW - GAP)))
 }
 
-/// Draws for each method two maps of differences from its template, in its own box and in the true box, and histograms.
+/// Draws, for each method, the template and two maps of differences from it, for the method's box and for the true box.
+/// Below is a histogram of each map.
 pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     const PATCH: Pair = (160.0, 120.0);
     const ROW: f64 = PATCH.1 + 2.0 * LINE;
@@ -86,8 +87,8 @@ pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(top + PLOT + 3.0 * LINE))
 }
 
-/// Returns the difference between the template and the frame at the true centre, after this centre is moved by the
-/// start box's offset from the true centre in the first frame.
+/// Returns the difference between the template and the part of the frame around the true centre. The true centre is
+/// first moved by the start box's offset from the true centre in the first frame.
 fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference> {
     let start = BoundingBox::from(film.targets[0].start()).centre();
     let first = film.truth_at(0).map_or(start, |first| first.centre());

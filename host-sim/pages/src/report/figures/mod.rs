@@ -1,4 +1,4 @@
-//! The paper's figures (SMR beside SAD) for any recording: a first run chooses the frames to draw, a second keeps them.
+//! The paper's figures (SMR beside SAD) for any recording: a first run chooses the frames, a second keeps those frames.
 
 mod drawn;
 mod sheet;
@@ -119,7 +119,7 @@ fn visible_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     Ok(frame)
 }
 
-/// Returns SMR's IoU with the ground truth minus SAD's; without ground truth, 1 minus the IoU of the two boxes.
+/// Returns SMR's IoU with the ground truth minus SAD's; without ground truth, 1 minus the IoU of SMR's and SAD's boxes.
 fn lead(film: &Film, index: usize) -> Option<f64> {
     let [smr, sad] = [SMR, SAD].map(|method| film.moments[index].reports[method].target);
     if film.truth.is_none() {
@@ -128,7 +128,7 @@ fn lead(film: &Film, index: usize) -> Option<f64> {
     smr.and(Some(overlap(film, SMR, index)? - overlap(film, SAD, index)?))
 }
 
-/// Returns the IoU with the ground truth, 0 without an answer; `None` while the target is hidden.
+/// Returns the IoU of a method's box with the ground truth: 0 if the method has no box, `None` if the target is hidden.
 fn overlap(film: &Film, method: usize, index: usize) -> Option<f64> {
     let truth = film.truth_at(index)?;
     Some(film.moments[index].reports[method].target.map_or(0.0, |target| target.iou(&truth)))

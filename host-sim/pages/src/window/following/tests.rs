@@ -17,7 +17,7 @@ struct Scene {
     /// If set, the source acts as a camera whose trackers are busy: it yields only every N-th frame.
     every: Option<usize>,
     oldest: AtomicUsize,
-    /// Count of frames that the source reports, 0 if unknown. `given` is the last frame that it yields, 0 for `FRAMES`.
+    /// Count of frames that the source reports; 0: unknown. `given` is the last frame that it yields; 0: `FRAMES`.
     known: usize,
     given: AtomicUsize,
 }
@@ -323,7 +323,7 @@ fn a_camera_restores_what_was_and_goes_on_from_what_it_keeps() {
         running.refused(vec![target(1, &[3])]),
         "frame 3 of 60: trackers can go back to frame 30 only: lock in a newer frame"
     );
-    // After a change of method, tracking fails for targets whose lock is in a dropped frame; other targets are tracked.
+    // After a change of method, only targets locked in a frame that is no longer kept fail.
     running.followed.set_variant(variant(MethodKind::Robust));
     let (said, _) = running.heard();
     assert!(said.iter().any(|said| said.starts_with("frame 1 is not kept any more")), "{said:?}");
