@@ -26,7 +26,7 @@ pub struct Report {
     pub cut_off: usize,
     /// Message about the damage at which the replay stopped.
     pub damage: Option<String>,
-    /// First difference from the record; the replay stops there.
+    /// First difference between recorded and replayed values; the replay stops there.
     pub difference: Option<Difference>,
 }
 
@@ -43,9 +43,9 @@ pub struct Flight {
     pub restored: u64,
     /// Updates that firmware began and cancelled.
     pub given_up: u64,
-    /// Frame counts, indexed by the state's code.
+    /// Number of answers that equal the recorded ones, by state: the index is the state's code.
     pub states: [u64; State::ALL.len()],
-    /// Size of all entries in bytes, and of the pixels in them.
+    /// Size of the replayed entries in bytes, and number of pixels in these entries.
     pub bytes: u64,
     pub pixels: u64,
     /// Size of an incomplete entry at the flight's end in bytes; else 0.
@@ -218,12 +218,12 @@ fn entry_json(entry: &Entry<'_>) -> Value {
 }
 
 trait FlightReplay<'a> {
-    /// Replays an entry. The flag is true if the entry cancels an update; the error is a difference to the record.
+    /// Replays an entry. Returns true if it cancels an update. Errors: The replay differs, or the record is invalid.
     fn play(&mut self, entry: &Entry<'a>) -> (bool, Result<(), record::Difference>);
 
     fn settings(&self) -> Value;
 
-    /// Returns state and box of the replayed answer to the last update, if the record ends before that answer.
+    /// Returns state and box of the replayed answer to the last update, if the flight ends before that answer.
     fn unanswered(&mut self) -> Option<(&'static str, String)>;
 }
 

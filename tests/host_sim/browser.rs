@@ -29,7 +29,7 @@ const BEFORE: &str = "<script>const problems = [];
 window.onerror = (message) => { problems.push(message); };
 window.onunhandledrejection = (event) => { problems.push(String(event.reason)); };</script>";
 
-/// Functions for scripts: `is` reports a wrong value, `place` returns a player's frame, `unfold` opens folded parts.
+/// Script functions: `is` reports a wrong value, `place` returns e.g. `frame 2 of 240`, `unfold` opens folded parts.
 const AFTER: [&str; 2] = [
     r#"<script type="module">
 const is = (what, given, wanted) => { if (String(given) !== String(wanted)) problems.push(`${what}: ${given}, not ${wanted}`); };

@@ -83,7 +83,7 @@ fn said(command: &str, folder: &Path) -> String {
     }
 }
 
-/// Returns true if `text` contains the parts of `pattern`, which `...` separates, in order.
+/// Returns true if the whole `text` matches `pattern`, in which `...` stands for any characters or none.
 fn fits(pattern: &str, text: &str) -> bool {
     let mut parts = pattern.split("...");
     let Some(mut rest) = text.strip_prefix(parts.next().unwrap_or_default()) else { return false };

@@ -51,7 +51,7 @@ fn what_never_ends_is_refused_with_its_limit() {
     fs::remove_file(path("gt.txt")).unwrap();
     host_sim(&["track", &endless, "--init", "0,0,2,2"]).refuses(&["endless.png", "512 MiB", "PNG"]);
     let against = |former: &str| host_sim(&["eval", "synthetic", "--robustness", "--against", former]);
-    // host-sim must refuse a file that is larger than the limit of its format without opening it.
+    // host-sim must refuse a file above the size limit of its format, and must not open it.
     fs::File::create(path("long.json")).unwrap().set_len(1 << 40).unwrap();
     against(utf8(&path("long.json"))).refuses(&["long.json", "64 MiB"]);
     let pipe = path("pipe");

@@ -1,5 +1,5 @@
-//! Long runs and sudden ends: memory stays bounded; at a full disk, a closed pipe or a kill, printed lines are whole
-//! and former files stay.
+//! Long runs and sudden ends: memory stays bounded; after a full disk, a closed pipe or a kill, printed lines are whole
+//! and earlier output files are unchanged.
 
 use crate::missing::{has, has_ffmpeg, skipped};
 use crate::program::{PROGRAM, host_sim, kill, utf8};
@@ -295,7 +295,7 @@ fn a_hangup_that_is_ignored_stays_so() {
 fn a_measurement_that_is_stopped_prints_what_it_has() {
     let methods = ["--method", "sad,robust", "--set", "window=4x4", "--starts", "every:4", "--format", "csv"];
     let arguments = [&["eval", "synthetic", "--frames", "..80", "--robustness"], &methods[..]].concat();
-    // Lengthens the pause until the signal comes after the first tracker has ended and before the second has.
+    // Lengthens the pause before the signal until it comes after the first tracker's end and before the second's.
     let mut pause = Duration::from_millis(100);
     loop {
         let stopped = command(&arguments).spawn().expect("host-sim runs");

@@ -5,7 +5,7 @@ use serde_json::json;
 use std::fs;
 use std::path::Path;
 
-/// `report synthetic --figures DIR` draws the `synthetic-` figures of `host-sim/FIGURES.md`, without that prefix.
+/// `report synthetic --figures DIR` writes the pictures `host-sim/assets/synthetic-*`, named without `synthetic-`.
 #[test]
 fn the_documentation_shows_all_five_as_the_command_draws_them() {
     let folder = tempfile::tempdir().unwrap();

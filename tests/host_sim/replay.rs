@@ -1,4 +1,4 @@
-//! `host-sim replay` with records of `smr_core::record`: whole, damaged, cut off, appended to, or part of a log.
+//! `host-sim replay` with records of `smr_core::record`: whole, damaged, cut off, one after another, or part of a log.
 
 use crate::program::{host_sim, utf8};
 use host_sim::replay::{Report, replay};
@@ -141,8 +141,8 @@ fn a_flight_is_replayed_bit_for_bit() {
         let count = |state| answers.iter().filter(|answer| answer.state == state).count() as u64;
         assert_eq!(flight.states, State::ALL.map(count));
         assert!(flight.states[3] > 0, "{kind:?}: the flight has a lost target: {:?}", flight.states);
-        // Bytes of entries, by the documentation: begin 584 or 558; lock 36, window with answer 82, window without
-        // answer 36, each plus its pixels; moved 24.
+        // Bytes of each entry, by the documentation: begin 584 (`Paper`) or 558 (`Robust`), moved 24. Without their
+        // pixels: lock 36, window with answer 82, window without answer 36.
         let begin = if kind == CoreKind::Smr { 584 } else { 558 };
         let saved =
             entries(&bytes).windows(2).find(|pair| pair[0].1 == *b"SMRS").map_or(0, |pair| pair[1].0 - pair[0].0);

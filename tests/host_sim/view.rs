@@ -507,7 +507,7 @@ fn nothing_is_left_when_it_is_ended() {
     assert_eq!(fs::read_dir(window.folder.path()).unwrap().count(), 0);
 }
 
-/// The server sends any frame of a long video within two seconds, and its memory does not grow with the video.
+/// The median request for a frame of a one-hour video takes less than two seconds; the server stays below 300 MiB.
 #[cfg(target_os = "linux")]
 #[test]
 fn any_frame_of_a_long_video_is_soon_there() {
@@ -535,7 +535,7 @@ fn any_frame_of_a_long_video_is_soon_there() {
         times.push(begin.elapsed());
     }
     times.sort();
-    // On an idle machine the median time is half a second; the limit is larger because other tests run in parallel.
+    // On an idle machine a frame takes half a second (median); the limit is larger because other tests run in parallel.
     assert!(times[times.len() / 2] < Duration::from_secs(2), "{times:?}");
     let status = fs::read_to_string(format!("/proc/{}/status", window.process.id())).unwrap();
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();

@@ -1,5 +1,5 @@
-//! Checks that figures in documents equal the values in code, scripts and files of measurements. `SMR_RECORD=1 cargo
-//! test -p smr-tests figures` writes these values into the documents.
+//! Checks that the figures (numbers) in documents equal the values in code, scripts and files of measurements.
+//! `SMR_RECORD=1 cargo test -p smr-tests figures` writes these values into the documents.
 
 use smr_core::robust::Config;
 use std::fs;

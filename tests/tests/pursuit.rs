@@ -68,8 +68,8 @@ fn offset_pixels(head: Direction, point: Direction) -> f64 {
     FOCAL_LENGTH_PIXELS * right.hypot(height * cos - ahead * sin) / (ahead * cos + height * sin)
 }
 
-/// Returns a texture's gray level at `place`, interpolated between random levels on a grid of 4 pixels (in the
-/// picture's middle).
+/// Returns a texture's gray level at `place`, interpolated between random levels at grid points. In the picture's
+/// middle, they are 4 pixels apart.
 fn texture(seed: u32, place: Direction, (darkest, brightest): (f64, f64)) -> u8 {
     let [x, y] = place.map(|radians| radians * FOCAL_LENGTH_PIXELS / 4.0);
     let (right, low) = (x - x.floor(), y - y.floor());
@@ -78,7 +78,7 @@ fn texture(seed: u32, place: Direction, (darkest, brightest): (f64, f64)) -> u8 
     (darkest + (brightest - darkest) * (row(0.0) * (1.0 - low) + row(1.0) * low)).round() as u8
 }
 
-/// Returns a random value from 0 to 1 that is fixed for each position.
+/// Returns a pseudo-random value from 0 to below 1, always the same for a seed and a grid point.
 fn grain(seed: u32, column: i32, row: i32) -> f64 {
     let mut mixed = seed.wrapping_mul(0x9E37_79B9) ^ column.cast_unsigned().wrapping_mul(0x85EB_CA6B);
     mixed = (mixed ^ (mixed >> 15)).wrapping_add(row.cast_unsigned().wrapping_mul(0xC2B2_AE35));
@@ -199,7 +199,7 @@ fn small() -> Config {
     config.window_limit = Radius { x: 32, y: 32 };
     // The preset's 0 accepts every ratio of peak to runner-up; this limit must tell the target from the occluder.
     config.gate_tracking = Fraction::new(5, 4);
-    // No lead of the peak is enough now, so only the ratio decides. The preset's 100 pixels of 2304 are easy to exceed.
+    // Only the ratio decides: no peak can lead by more pixels than this. The preset's 100 of 2304 are easy to exceed.
     config.gate_lead = u16::MAX;
     config
 }
@@ -223,10 +223,7 @@ fn holds<T: Target>(config: T::Config, rows: &[(f64, f64, f64)]) {
     }
 }
 
-/// Largest errors measured at 30, 40 and 60 degrees per second: 12.3, 16.0 and 32.0 pixels horizontally, 12.8, 27.1 and
-/// 30.9 diagonally. Of each error, 8.4, 11.2 and 16.8 pixels are the steady error of a proportional controller, speed /
-/// gain.
-/// 30.9 diagonally. Of this, 8.4, 11.2 and 16.8 are speed / gain, the steady error of a proportional controller.
+/// Largest errors measured at 30, 40 and 60 degrees per second: 12.3, 16.0 and 32.0 pixels horizontally,
 ///
 /// Slow targets are not promised: at 10 and 20 degrees per second it is 4.5 and 21.4 pixels horizontally; diagonally the
 /// box slips off the target (91 pixels). A template that is replaced in every frame accumulates sub-pixel errors.
@@ -236,8 +233,7 @@ fn a_moving_target_stays_near_the_centre() {
     holds::<Small>(small(), &[(30.0, 0.5, 14.0), (40.0, 0.5, 29.0), (60.0, 0.5, 34.0)]);
 }
 
-/// The robust tracker also keeps slow and diagonal targets. Largest errors measured, in the order of the rows: 1.7,
-/// 3.7, 6.9, 9.2, 13.8 and 18.5 pixels.
+/// The robust tracker also keeps slow targets, on diagonal paths too. Largest errors measured, in pixels, in the order
 #[test]
 fn the_robust_tracker_holds_at_every_speed() {
     let config = robust::Config::refined();

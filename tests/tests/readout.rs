@@ -5,8 +5,8 @@
 use smr_core::readout::{Format, Readout};
 use smr_core::{Frame, Image, LockError, Paper, Rect, Robust, Target, Tracker, UpdateError, paper, robust};
 
-/// Returns the size, the initial box and the pictures of a recording. Its texture moves and grows. The last three of
-/// every nine pictures are noise, so that the tracker has to search for the target.
+/// Returns the size, the initial box and the pictures of a recording. A texture that fills each picture moves and
+/// grows. The last three of every nine pictures are noise, so that the tracker has to search for the target.
 fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     let (width, height) = (60 + seed * 37 % 200, 50 + seed * 53 % 150);
     let (across, down) = (4 + seed * 29 % (width / 2), 4 + seed * 31 % (height / 2));

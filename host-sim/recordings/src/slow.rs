@@ -18,7 +18,7 @@ const Y: &Keys = &[(0, 52), (50, 30), (119, 66)];
 
 struct Kind {
     name: &'static str,
-    /// Steps in pixels of the coarse and the fine grid of random levels whose average is the target's texture.
+    /// Cell sides in pixels of two grids of random levels, a coarse and a fine one; the texture averages both grids.
     grain: (i32, i32),
     levels: (i32, i32),
     /// Strength of the sensor noise; 1 is a standard deviation of 2.3 gray levels.

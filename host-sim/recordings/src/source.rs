@@ -21,7 +21,7 @@ pub enum Source {
     Video(PathBuf),
     /// A live source, whose frames carry their own color planes.
     Live(Arc<Arrivals>),
-    /// A function that draws the frame with a given index; then the recording's number of frames.
+    /// A drawn recording: the function that draws a frame, given its index, and the number of frames.
     Made(fn(usize) -> ColorFrame, usize),
 }
 
@@ -260,7 +260,7 @@ mod tests {
 
     const H264: &str = "-c:v libx264 -g 10 -bf 3 -flags +cgop -preset ultrafast";
 
-    /// Each case: file name, ffmpeg options, number of frames, time of frame 12, and true if a seek finds its frames.
+    /// Each case: file name, ffmpeg options, number of frames, time in s of frame 12, true if the index allows seeks.
     #[test]
     fn a_video_is_read_from_any_place_on() {
         let test = "a_video_is_read_from_any_place_on";

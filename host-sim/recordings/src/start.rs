@@ -20,7 +20,7 @@ pub struct Start {
 pub struct Target {
     /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
-    /// Frame numbers and boxes, at least one, sorted by frame; the first is a box. `None`: gone until the next box.
+    /// Sorted frame numbers, at least one, each with its box; `None` (never the first): gone until the next box.
     pub starts: Vec<(usize, Option<BoundingBox>)>,
 }
 

@@ -22,7 +22,7 @@ fn drawn(textures: &Textures, index: usize, noise: u64) -> GrayFrame {
     GrayFrame { width: WIDTH, height: HEIGHT, pixels: textures.frame(index, noise).collect() }
 }
 
-/// Generates endless frames with textures of this seed: the recording forward and backward in turns, with new noise.
+/// Draws the recording's frames with textures of `seed`, alternately forward and backward without end, with new noise.
 fn endless(seed: u32) -> impl Iterator<Item = GrayFrame> + Send + 'static {
     let seed = u64::from(seed);
     let textures = Box::new(Textures::new(seed));

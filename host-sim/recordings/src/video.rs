@@ -70,7 +70,7 @@ pub(super) struct Picture {
     size: (u16, u16),
     pub moment: Option<Moment>,
     bytes: Vec<u8>,
-    /// True if ffmpeg has reported an error before this picture.
+    /// True if ffmpeg has reported an error, a damaged packet or a change of format before this picture.
     pub is_doubtful: bool,
 }
 
@@ -93,7 +93,7 @@ impl Picture {
 pub(super) struct Pictures {
     ffmpeg: Ffmpeg,
     pixels: Patient,
-    /// Size and time of the next picture, if read ahead.
+    /// Size, time and flags of the next picture; `None` if not read yet.
     shown: Option<Shown>,
     tones: Option<Tones>,
     depth: usize,
@@ -103,7 +103,7 @@ pub(super) struct Pictures {
 /// ffmpeg options that count times from the start of the file, also after a seek.
 pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
 
-/// Difference in seconds below which a seek has hit its time. Times in milliseconds are rounded by up to 0.0005.
+/// Time error in seconds from which a seek is a miss; rounding to milliseconds alone causes errors of up to 0.0005 s.
 const SEEK_TOLERANCE: f64 = 0.0006;
 
 impl Pictures {
@@ -126,7 +126,7 @@ impl Pictures {
         };
         let start = |format, depth| -> Result<Self> {
             let mut command = command(program, "level+info", &input(file), &options);
-            // `showinfo` prints the times, then `setpts` makes them grow: ffmpeg writes no frame whose time goes back.
+            // `showinfo` prints the times; `setpts` then makes them ascend: ffmpeg drops a frame whose time goes back.
             let filters = format!("{filters}{scale}format={format},showinfo=checksum=0,setpts=N*1000/TB");
             command.args(["-vf", &filters, "-fps_mode", "passthrough", "-f", "rawvideo", "-"]);
             let mut ffmpeg = Ffmpeg::run(&mut command, &file.display().to_string(), patience)?;
@@ -145,7 +145,7 @@ impl Pictures {
     /// Seeks the picture shown at `time`, in seconds; returns it and all later ones, or `None` if the seek misses it.
     pub fn at(file: &Path, time: f64, wanted: Use, patience: Duration) -> Option<(Picture, Self)> {
         let select = format!("select='gte(t,{:.6})',", time - SEEK_TOLERANCE / 2.0);
-        // In some files decoding cannot start right before `time`, so the second seek starts ten seconds earlier.
+        // Seeks 0.1 ms before `time`; after a miss, 10 s before: some files cannot be decoded from just before it.
         [0.0001, 10.0].iter().find_map(|before| {
             let seek = format!("{:.6}", (time - before).max(0.0));
             let mut pictures = Self::start(("ffmpeg", file), &["-ss", &seek], &select, wanted, patience).ok()?;
@@ -173,14 +173,15 @@ impl Pictures {
         Ok(Some(Picture { size, moment, bytes, is_doubtful }))
     }
 
-    /// Returns an error if ffmpeg has reported damage. A damaged packet counts only if frames are missing.
+    /// Returns an error if ffmpeg has failed, or has reported damage or a change of format. A damaged packet counts as
+    /// damage only if frames are missing.
     pub fn verdict(&mut self) -> Result<()> {
         self.ffmpeg.verdict(self.times.has_gap)
     }
 }
 
-/// Longest step, in seconds, between the times of successive frames of a video. A longer step is a join of two videos:
-/// in MPEG-TS, ffmpeg takes a time that goes back for a clock overflow, which makes it a large step forward.
+/// Largest step in seconds between the times of successive frames of one video. A larger step is a join of two videos:
+/// where times go back in MPEG-TS, ffmpeg assumes a clock overflow and turns this into a large step forward.
 pub(super) const MAX_TIME_JUMP: u32 = 43_200;
 
 /// Times that never go back: in a file of joined videos, each video continues the times of the one before.

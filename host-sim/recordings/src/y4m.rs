@@ -1,4 +1,4 @@
-//! YUV4MPEG2 (`.y4m`) as a recording: the luma plane is the gray picture, byte for byte. Live sources use it, too.
+//! YUV4MPEG2 (`.y4m`) as a recording or a live source: the luma plane is the gray picture, byte for byte.
 
 use super::damage::damaged;
 use super::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
@@ -119,7 +119,7 @@ struct Chroma {
     /// Horizontal chroma subsampling: pixels for each chroma sample; 0 without chroma.
     across: usize,
     down: usize,
-    /// True for full range (0 to 255), false for limited range (from 16). Gray frames have full range.
+    /// True for full range (0 to 255) and gray frames, false for limited range (luma 16 to 235, chroma 16 to 240).
     is_full: bool,
 }
 

@@ -50,12 +50,12 @@ pub struct GateNumbers {
     pub been_at_border: (f64, f64),
     /// Ratio of peak to runner-up, a fraction `.0 / .1`, required for finding a lost target again.
     pub lost: (f64, f64),
-    /// Lead of the peak over the runner-up that suffices at any ratio, counted in fully similar pixels.
+    /// Lead of the peak's score over the runner-up's that suffices at any ratio; the unit is one pixel of similarity 1.
     pub lead: f64,
-    /// Minimum mean similarity of a pixel, in units of 1/65535; 0 also disables the checks of contrast and clipping.
+    /// Minimum mean similarity of the patch's pixels, in 1/65535; 0 also disables `least_contrast` and `most_cut_off`.
     pub least_ratio: f64,
-    /// Bounds for a patch. First: minimum contrast, as a fraction of the template's contrast. Second: maximum number of
-    /// clipped pixels (0 or 255) beyond the template's number, as a fraction of all pixels.
+    /// `least_contrast`: minimum contrast of a patch, as a fraction of the template's contrast. `most_cut_off`: maximum
+    /// excess of its clipped pixels (0 or 255) over the template's, as a fraction of all pixels.
     pub least_contrast: f64,
     pub most_cut_off: f64,
 }
@@ -194,7 +194,7 @@ impl Picture {
 
 pub struct Reference {
     numbers: Numbers,
-    /// Similarity p for each absolute difference of two bytes, 0 to 255.
+    /// Similarity p in units of 1/65535, indexed by the absolute difference of two bytes, 0 to 255.
     p: Vec<Sums>,
     frame_size: (i64, i64),
     template: Picture,
@@ -325,15 +325,15 @@ impl Reference {
         self.template = next;
     }
 
-    /// Accepts a peak above `needed` * runner-up or above runner-up + lead, if its mean per pixel reaches
-    /// `least_ratio`.
+    /// Accepts a peak above `needed` * runner-up or above runner-up + lead, if the peak's mean similarity per pixel
+    /// reaches `least_ratio`.
     fn is_accepted(&self, peak: f64, runner_up: f64, needed: (f64, f64)) -> bool {
         let gate = &self.numbers.gate;
         let stands_out = peak * needed.1 > runner_up * needed.0 || peak > runner_up + gate.lead * UNITS;
         stands_out && (peak / self.template.area()).floor() >= gate.least_ratio
     }
 
-    /// True if `least_ratio` is 0, or if the patch keeps both bounds, `least_contrast` and `most_cut_off`.
+    /// True if the patch at (`x`, `y`) keeps to `least_contrast` and `most_cut_off`, or if `least_ratio` is 0.
     fn is_shown(&self, frame: &Picture, (x, y): (i64, i64)) -> bool {
         let gate = &self.numbers.gate;
         let seen = frame.cut(x, y, self.template.width, self.template.height);

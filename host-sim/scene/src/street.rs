@@ -332,7 +332,7 @@ fn solids(wanted: &dyn Fn(&Solid) -> bool) -> Solids {
         let (eaves, ridge) = ([-5.0, 5.0, 4.1], [-4.2, 4.2, 0.0]);
         add(Solid::block([x, tall, z], [1.0, 0.0], [0.0, 3.2], [eaves, ridge], roof, tiles));
     }
-    // Each tree: position to the right and away, height of the trunk and scale of the crown.
+    // Each tree: position to the right and away and height of the trunk, in meters; scale of the crown.
     const TREES: [f64; 44] = [
         3.4, 46.0, 3.3, 0.65, -2.5, 45.0, 0.7, 0.7, 0.2, 40.6, 0.5, 0.6, 10.5, 41.5, 0.8, 0.8, -7.9, 27.5, 0.6, 0.8,
         -5.9, 26.6, 0.4, 0.6, 8.2, 25.0, 0.5, 0.6, -18.5, 60.0, 4.2, 1.0, 1.5, 73.0, 4.4, 1.2, 15.0, 72.5, 4.0, 1.1,

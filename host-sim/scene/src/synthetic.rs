@@ -36,10 +36,10 @@ const TARGET_X: &Keys =
 const TARGET_Y: &Keys = &[(0, 24), (32, 52), (66, 66), (134, 62), (184, 46), (190, 46), (239, 54)];
 /// Left edge, in pixels, of a post that is as high as the picture and hides the target.
 const POST_X: &Keys = &[(48, 161), (75, 85), (100, 76), (110, 76), (134, 88), (154, 161)];
-/// Motion of the background to the left and up in pixels, too small for its texture to repeat.
+/// Left and top edge of the picture in the background's texture, in pixels: too small for the texture to repeat.
 const PAN_X: &Keys = &[(0, 0), (120, 70), (239, 10)];
 const PAN_Y: &Keys = &[(0, 12), (80, 26), (160, 0), (239, 20)];
-/// Brightness in 256ths of the textures' own gray levels, constant while the target is outside the picture.
+/// Brightness factor, in 256ths, for the textures' gray levels; constant while the target is outside the picture.
 const LIGHT: &Keys = &[(0, 256), (80, 200), (150, 290), (210, 290), (239, 250)];
 
 /// Returns the target's box in frame `index`; `None` if more than half the target is hidden or outside the picture.
@@ -104,7 +104,7 @@ impl Scene {
     }
 }
 
-/// Interpolates the value in `frame` between two keys by 3 t^2 - 2 t^3, and multiplies it by `unit`.
+/// Returns `unit` times the value in `frame`, interpolated between two keys by 3 t^2 - 2 t^3 with t from 0 to 1.
 pub fn between(keys: &Keys, frame: i32, unit: i32) -> i32 {
     let next = keys.partition_point(|&(key, _)| key <= frame);
     let Some(&(start, from)) = keys.get(next.saturating_sub(1)) else { return 0 };

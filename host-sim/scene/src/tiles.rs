@@ -1,6 +1,6 @@
-//! A built-in recording: the target, made of tiles of high contrast, moves over tiles of low contrast, in each frame by
-//! 2 pixels to the right and 1 down. It is hidden in frames 12 to 19 (from 0). Drawn in integers, without a buffer:
-//! firmware draws the same pixels as the host.
+//! A built-in recording: a target made of tiles of high contrast moves over tiles of low contrast, 2 pixels to the
+//! right and 1 down per frame. The target is hidden in frames 12 to 19 (from 0). All pixels are computed in integers
+//! and without a buffer, so firmware draws the same pixels as the host.
 
 pub const WIDTH: u16 = 320;
 pub const HEIGHT: u16 = 240;

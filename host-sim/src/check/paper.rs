@@ -18,7 +18,8 @@ use smr_reference::{Decision, Numbers, Reference, Step};
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Counts {
     pub scores: u64,
-    /// Number of frames in which the best score outside the peak's neighbourhood was needed, and so compared, too.
+    /// Number of frames in which the decision or the settings required a runner-up: the best score outside the peak's
+    /// neighbourhood. Only these frames have a runner-up to compare.
     pub runners_up: usize,
     /// Largest |core's score - exact score|, in units of 1/65535.
     pub largest_difference: f64,
@@ -69,7 +70,7 @@ impl Checked for Paper {
 /// Largest possible difference between a score of `pixels` pixels and the exact one, in units of 1/65535.
 fn bound(pixels: u32) -> f64 {
     let n = f64::from(pixels);
-    // Core rounds each of the n table entries by at most half a unit. The reference's sum in f64 has n terms of at most
+    // Core rounds each of the n similarities by at most half a unit. The reference's sum in f64 has n terms of at most
     // 65535, each with a relative error of 2^-52; each partial sum, at most n * 65535, is rounded by a relative 2^-53.
     n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
 }
@@ -156,7 +157,8 @@ mod tests {
     use super::*;
     use smr_core::paper::Config;
 
-    /// Checks `Config::camera()` against `numbers` on two checkerboard frames, each of two gray levels.
+    /// Compares core, set by `Config::camera()`, with the reference, set by `numbers`, on two checkerboard frames. Each
+    /// frame has its own two gray levels.
     fn report(numbers: Numbers, first: [u8; 2], second: [u8; 2]) -> Report<Counts> {
         let frame = |levels: [u8; 2]| {
             let pixels = (0..30 * 30).map(|at| levels[(at % 30 + at / 30) % 2]).collect();

@@ -1,6 +1,6 @@
-//! Comparison of the robust tracker with its reference, in each frame: grid, requested windows, features, response map,
-//! redetection, response at the target, ratio, confidence, state, scale, box, weights, early template. smr-core gets
-//! only the pixels in the windows that it requests.
+//! Comparison of the robust tracker with its reference, in each frame: sampling grid, requested windows, features,
+//! response map, redetection, largest filter response, similarity to the early template (`ratio`), confidence, state,
+//! scale, box, filter weights, early template. smr-core gets only the pixels in the windows that it requests.
 
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
@@ -275,7 +275,8 @@ mod tests {
         through(check, [still(0), cut(still(0)), cut(still(0)), still(0)].into_iter())
     }
 
-    /// Noise hides the target for 75 frames. Confidence limits of 1/65535 leave the state to the refiner's network.
+    /// Noise hides the target for 75 frames. The confidence limits for uncertain and lost are 1/65535, so that the
+    /// refiner's network decides the state.
     fn noisy(mut numbers: Numbers) -> Report {
         let mut config = Config::refined();
         (config.lost_below, config.uncertain_below) = (1, 1);

@@ -33,7 +33,7 @@ impl Events {
         Some(format!("{event} at {}", time.map_or(frame.clone(), |time| format!("{} ({frame})", clock(time)))))
     }
 
-    /// Returns the number of frames of a target in each state that occurred, as text: `tracking 4, lost 2`.
+    /// Lists the states that a target had, each with its number of frames: `tracking 4, lost 2`.
     pub fn sum(&self, target: usize) -> String {
         let counts = self.0[target].frames.iter().zip(State::ALL).filter(|(count, _)| **count > 0);
         counts.map(|(count, state)| format!("{} {count}", name_of(state))).collect::<Vec<_>>().join(", ")

@@ -1,4 +1,4 @@
-//! Checks of a command's paths: outputs differ, have allowed extensions, and are no input or file of an input.
+//! Checks of a command's paths: outputs differ, have allowed extensions, and neither are nor belong to an input.
 
 use anyhow::{Result, bail, ensure};
 use smr_recordings::output;
@@ -12,7 +12,8 @@ pub struct Places<'a> {
     outputs: Vec<(&'static str, &'a Path, Option<Taken>)>,
 }
 
-/// File names that an option accepts: with a known extension, or without one (a folder if `is_folder` is set).
+/// File names that an option accepts: without an extension, or with one of `endings`. If `is_folder` is set, a name
+/// without an extension or with a final `/` is a folder's.
 #[derive(Clone, Copy)]
 pub struct Taken {
     pub endings: [&'static [&'static str]; 2],
@@ -107,8 +108,9 @@ fn real(path: &Path) -> PathBuf {
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
 }
 
-/// True if `file` is an annotation file beside the recording `path`, or if `path` is a folder that contains `file` (at
-/// any depth) as frames, an annotation or a result. `file` must exist or have the name of an annotation file.
+/// True if `file` is an annotation file beside the recording `path`, or lies in the folder `path`, at any depth, and is
+/// a file of frames, annotations or results. A file that does not exist yet counts only if it has the name of an
+/// annotation file.
 fn is_part(file: &Path, path: &Path) -> bool {
     let (file, path) = (real(file), real(path));
     let folder = if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(&path) };

@@ -97,7 +97,7 @@ impl RecordingOptions {
         Ok((sequence, vec![Target { name: None, starts }]))
     }
 
-    /// Opens the recording. Returns the targets of the options only.
+    /// Opens the recording. Returns it with the targets of `--init` only.
     fn open_all(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
         let options = OpenOptions {
             size: self.size.map(|Pair(width, height)| (width, height)),
@@ -121,7 +121,7 @@ impl RecordingOptions {
             ensure!(fits, "{name}: --frames reaches before the ground truth: expected frame {first} or later");
             sequence = sequence.with_truth_from(first);
         } else if let Some((part, boxes)) = self.frames.zip(sequence.truth.as_ref().map(Vec::len))
-            // A range that starts at frame 1 does not need the number of frames, and counting them takes time.
+            // If the range starts at frame 1, the ground truth needs no shift, so the slow count of frames is skipped.
             && part.first() != 1
             && part.length_of(usize::MAX) >= boxes
             && let length = self.length(path, &options, &sequence)
@@ -161,7 +161,7 @@ impl RecordingOptions {
         Ok((sequence, targets))
     }
 
-    /// Number of frames; `None` if unknown. In a video, counts packets or, if that fails, decoded frames.
+    /// Number of frames; `None` if unknown. For a video, the function may have to count packets or else decoded frames.
     fn length(&self, path: &Path, options: &OpenOptions, sequence: &Sequence) -> Option<usize> {
         let packets = || sequence.source.length(self.ffmpeg_patience());
         let decoded =

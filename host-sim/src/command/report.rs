@@ -126,7 +126,7 @@ impl Report {
         name_apart(&mut sequences);
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
         let page = page_file(out, &title)?;
-        // Checks the final path, too: if `--out` is a folder, the name of the page in it is known only here.
+        // Checks the page's path, not just `--out`: if `--out` is a folder, the page's name is known only here.
         Places::of(found).writes("--out", Some(&page), None).check()?;
         let output = Output::create(&page)?;
         let mut films = self.watch(found, sequences, methods)?;
@@ -222,7 +222,7 @@ impl Report {
     }
 }
 
-/// Numbers recordings of the same name, so that each has a name of its own on the page.
+/// Appends a number to the name of each recording that has the name of an earlier one, so that all names differ.
 fn name_apart(sequences: &mut [(Sequence, Vec<Target>)]) {
     for at in 1..sequences.len() {
         let (before, rest) = sequences.split_at_mut(at);

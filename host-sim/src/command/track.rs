@@ -230,7 +230,7 @@ impl Pass {
         complain(&format!("{name}: {came} frames came, {dropped} of them were dropped"));
     }
 
-    /// Errors: A box is given for a frame after the last one.
+    /// Errors: `--init` gives a box for a frame after the last frame of a recording that is not live.
     fn finish(mut self, first: usize) -> Result<()> {
         self.bar.clear();
         let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, target.name.as_ref())));

@@ -33,7 +33,7 @@ fn is_long(word: &str) -> bool {
     word.len() > 2 && word.starts_with("--") && !word.contains('=')
 }
 
-/// Explains in one line why the command `all` cannot parse `arguments`.
+/// Explains in one line why clap cannot parse `arguments`; `all` is the program's command with all subcommands.
 pub(super) fn explained(error: &clap::Error, all: &Command, arguments: &[OsString]) -> String {
     let words = arguments.iter().flat_map(|word| {
         let word = word.to_string_lossy().into_owned();

@@ -281,7 +281,7 @@ impl Requests for Desk {
         let first = frames().min().filter(|_| is_live).unwrap_or(1);
         let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
         let (reached, _) = followed.reached(known.frames);
-        // In the frames from the last answer to `reached`, all targets are gone; some formats have lines for them, too.
+        // After the last answer, up to frame `reached`, all targets are gone; some formats list such frames, too.
         for frame in first..=frames().max().map_or(0, |last| last.max(reached)) {
             for (target, rows) in left.iter_mut().enumerate() {
                 let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);

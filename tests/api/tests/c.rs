@@ -37,7 +37,7 @@ fn the_header_is_current() {
     assert!(current == written, "include/smr.h is not current: SMR_RECORD=1 cargo test -p smr-api");
 }
 
-/// Inserts the texts and ranges of the settings before the fields of a struct.
+/// Inserts a comment before each field of the struct: the text of the field's setting, and its range if it has limits.
 fn document<C: Settings>(header: &mut String, name: &str) {
     let start = header.find(&format!("typedef struct {name} {{\n")).expect("the struct is there");
     let start = start + header[start..].find('\n').expect("it has lines") + 1;

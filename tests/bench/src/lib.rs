@@ -8,7 +8,7 @@ use smr_recordings::synthetic::{self, HEIGHT, WIDTH};
 
 pub type Small = Tracker<Paper<4096, 33>>;
 
-/// First of three frames in which nothing covers the target.
+/// Index of the first of the three frames that the benches use. In these frames, nothing covers the target.
 const FIRST: usize = 40;
 
 const RADIUS: Radius = Radius { x: 16, y: 16 };

@@ -1,5 +1,5 @@
-//! Runs sequences of calls on a tracker. The tracker must not panic, must not read outside the windows that it
-//! requests, and must answer as a second tracker with plain kernels and whole updates.
+//! Runs sequences of calls on a tracker. The tracker must not panic or read outside the windows that it requests. If a
+//! second tracker, with plain kernels and updates in one call, runs too, both must give the same answers.
 
 use crate::Fuzzed;
 use crate::extent::Extent;
@@ -137,7 +137,7 @@ impl<T: Fuzzed> Pair<T> {
         };
         match locked {
             Ok(_) => assert_eq!(self.any.bbox(), Some(target.into())),
-            // This error is right only if the part is not the lock window, which was too large to allocate.
+            // This error is right only if `part` is just the corner, because the lock window was too large to allocate.
             Err(LockError::LockWindowNotInMemory) => assert_ne!(part.rect, window),
             Err(_) => assert_eq!(before, saved(&self.any)),
         }

@@ -8,7 +8,7 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 const MOST: usize = u16::MAX as usize * u16::MAX as usize;
 
-/// Pixels of the frame. An input sets up to 32 of them, and sets them back to zero at its end.
+/// Pixels of the frame, all zero between inputs. An input changes at most 32 pixels and sets them to zero at its end.
 static MEMORY: LazyLock<Mutex<Vec<u8>>> = LazyLock::new(|| Mutex::new(vec![0; MOST]));
 
 pub(crate) fn run(bytes: &[u8]) -> Result<()> {

@@ -25,7 +25,7 @@ pub(crate) fn run<T: Fuzzed>(bytes: &[u8]) -> Result<()> {
     if tracker.restore(&saved).is_err() {
         return Ok(());
     }
-    // A restored target saves as the same bytes. Restoring ignores bytes behind the saved target.
+    // Saving a restored target gives its bytes again. Restoring ignores any bytes after the target.
     let again = calls::saved(&tracker).expect("it is locked");
     assert!(saved.starts_with(&again), "what was restored is saved as other bytes");
     (scene.width, scene.height) = (number(&saved, T::SIZE_AT), number(&saved, T::SIZE_AT + 2));

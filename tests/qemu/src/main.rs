@@ -104,7 +104,7 @@ impl Qemu {
             };
             let folder = smr_recordings::output::Exchange::create()?;
             replay::write(&record, self.step, folder.path())?;
-            // The first measurement calibrates the timer.
+            // The firmware's first measurement calibrates its timer; `traced` skips this measurement.
             let (_, estimated) = match self.cycles {
                 true => self.traced(folder.path(), 1).map(|(holds, estimated)| (holds, Some(estimated)))?,
                 false => self.start(folder.path(), &[], drained)?,
@@ -138,13 +138,13 @@ impl Qemu {
         format!("{}{refined}", smr_evaluation::MethodKind::from(self.method).name())
     }
 
-    /// Runs the firmware with a trace. Returns true if the exit code is 0, the median instructions of an update, and
-    /// the text of the estimated cycles. Skips the first `calibrations` measurements, which are not of the tracker.
+    /// Runs the firmware with a trace. Returns: true if the exit code is 0; the median instructions of an update; the
+    /// text of the estimated cycles. Skips the first `calibrations` measurements, which are not of the tracker.
     fn traced(&self, folder: &Path, calibrations: u32) -> Result<(bool, (u64, String))> {
         self.start(folder, &TRACE, |trace| {
             let mut python = Command::new("python3");
             python.args(["-c", include_str!("../cycles.py")]).arg(self.elf.canonicalize()?).arg(&self.machine);
-            // When QEMU ends, the script's input ends.
+            // `cycles.py` reads the trace from stdin until QEMU ends.
             let output =
                 python.arg(calibrations.to_string()).stdin(trace).output().context("--cycles: cannot run python3")?;
             let [said, complaint] =

@@ -154,7 +154,7 @@ fn cycles_are_those_of_the_blocks_that_ran() {
     );
     let (code, out, err) = bench.run(&["--cycles"]);
     assert_eq!((code, err.as_str()), (Some(0), ""));
-    // Cortex-M4: 2 cycles for 2 instructions, 2 for two more words of `stm`, 2 for the taken branch. 6 / 2 = 3.
+    // Cortex-M4 cycles: 2 for 2 instructions, 2 for words 2 and 3 of `stm`, 2 for the taken branch; 3 an instruction.
     for line in [
         "cortex-m4: lock 0.00, update median 0.000, at most 0.000; 3.00 an",
         "at 168 MHz: 14000000 updates",

@@ -21,8 +21,8 @@ pub fn learning_window(numbers: &Numbers, side: i64, cells: f64) -> f64 {
     gaussian((256.0 * to_f64(side) / to_f64(2 * numbers.cell)).powi(2), cells)
 }
 
-/// Gaussian exp(-x / 255) in units of 1/16384, with x = 255 * distance^2 / (2 * variance); `variance` is in units of
-/// (1/256 cell)^2. It is computed as exp(-(x mod 256) / 255) times exp(-256 / 255) for each full 256 in x (at most 16).
+/// Gaussian exp(-x / 255) in units of 1/16384, with x = 255 * `cells`^2 / (2 * variance); `variance` is in units of
+/// (1/256 cell)^2. Its value is exp(-(x mod 256) / 255) * exp(-256 / 255)^n, with n = floor(x / 256), at most 16.
 fn gaussian(variance: f64, cells: f64) -> f64 {
     let factor = (255.0 * 16_777_216.0 / variance.max(1.0)).floor();
     let x = ((cells * 256.0).powi(2) * factor / 33_554_432.0).floor();

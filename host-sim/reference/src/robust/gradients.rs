@@ -92,8 +92,8 @@ fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
     gradient[second % DIRECTIONS] += cross(second - 1).max(0.0);
 }
 
-/// Features of a cell: its gradient sums, normalised by the mean energy of its 3x3 neighbourhood, at most 127; then its
-/// mean gray level - 128. All are rounded down.
+/// Features of a cell: each gradient sum * `norm_gain` / (2 * norm), at most 127; then the mean gray level - 128. All
+/// are rounded down. The norm is the root of the mean energy of the 3x3 neighbourhood, plus `norm_floor`.
 fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
     let norm = down(energy_around.sqrt(), 8.0) + numbers.norm_floor;
     // Factor from gradients, in quarters of a gray level, to feature bytes; rounded down to a multiple of 2^-16.

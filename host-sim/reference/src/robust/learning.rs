@@ -67,9 +67,9 @@ impl Filter {
         }
     }
 
-    /// Changes the weights by `part` of the best step, whose curvature is measured at offsets up to `reach` cells from
-    /// the middle. The direction is the gradient times the learning window, plus the direction of the step `before`
-    /// times the factor (new descent / descent of `before`), at most `most_conjugate`.
+    /// Changes the weights by `part` of the step of an exact line search, which measures curvature at offsets up to
+    /// `reach` cells from the middle. The search direction is the gradient times the learning window, plus b times the
+    /// direction of the step `before`. The factor b is the new descent / that of `before`, at most `most_conjugate`.
     pub fn learn(
         &mut self,
         numbers: &Numbers,
@@ -113,16 +113,16 @@ impl Filter {
 /// Result of a learning step, which the next step of conjugate gradients needs.
 pub struct Step {
     direction: ScaledIntegers,
-    /// Dot product of the gradient and the windowed gradient, in the squared unit of the direction.
+    /// Dot product of the gradient and the windowed gradient, in units of the squared `divisor` of `direction`.
     descent: f64,
     responses: Vec<f64>,
     /// Step length, in units of 2^-44.
     length: f64,
 }
 
-/// Step length of an exact line search, in units of 2^-44: descent / curvature. The curvature, in units of 2^18, has
-/// two terms: the sum of the squares of the measured `responses` (each without its lowest nine bits), scaled up to
-/// `all` offsets, plus `regularisation` times the sum of the squared values of the direction.
+/// Step length of an exact line search, in units of 2^-44: descent / curvature, at most 8. The curvature is the sum of
+/// the squares of the measured `responses`, scaled up to `all` offsets, plus `regularisation` times the sum of the
+/// squared values of the direction. It is computed in units of 2^18, from responses without their lowest nine bits.
 fn best_length(numbers: &Numbers, direction: &ScaledIntegers, descent: f64, responses: &[f64], all: f64) -> f64 {
     let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
     let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();

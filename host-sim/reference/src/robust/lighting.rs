@@ -61,7 +61,8 @@ pub fn free_gain(template: &Patch, seen: &Patch) -> f64 {
     down(mean_and_deviation(seen).1 / mean_and_deviation(template).1.max(1.0), FINE)
 }
 
-/// Gain from the contrast of `template` to the contrast of `seen`, within a factor `most_change` of `expected`.
+/// Gain: contrast of `seen` / that of `template`, within a factor `most_change` of `expected`, at least
+/// `gain_bounds.0`.
 pub fn gain(numbers: &Numbers, template: &Patch, seen: &Patch, expected: f64) -> f64 {
     let least = down(expected / numbers.most_change, FINE).max(numbers.gain_bounds.0);
     free_gain(template, seen).clamp(least, expected * numbers.most_change)

@@ -158,8 +158,8 @@ impl Reference {
             all.extend(self.other_scales(centre.scale).map(larger));
         }
         if let Some(refiner) = &self.refiner {
-            // Upper bound of the target's move, at the larger scale: search radius plus 1 cell, plus alignment margin,
-            // plus 2 pixels.
+            // Upper bound of the target's move, in frame pixels: search radius plus 1 cell, plus alignment margin, plus
+            // 2 template pixels, all at the larger scale.
             let [_, larger] = self.other_scales(centre.scale);
             let by = to_f64((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
             let target = Place { scale: larger, ..centre }.bbox(self.target_size);
@@ -169,8 +169,8 @@ impl Reference {
     }
 
     /// Bounds (left, top, right, bottom) of the frame pixels that the next update also reads if it searches the sweep's
-    /// windows. `None` without a sweep, or if the target is not given up and even evidence 0 in the next frame would
-    /// not make it lost.
+    /// windows. `None` if the sweep is off, or if the network has not given up the target and even evidence 0 in the
+    /// next frame would not make the target lost.
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { sweep, reach, .. } = self.numbers;
         let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
@@ -349,8 +349,8 @@ impl Reference {
         best
     }
 
-    /// Searches the next windows of the sweep for the lost target. Returns the first candidate whose evidence is enough
-    /// and clearly exceeds `followed`, the evidence at the tracked position.
+    /// Searches the next windows of the sweep for the lost target. Returns the first candidate whose evidence reaches
+    /// `found_from` and is at least `better_by` above `followed`, the evidence at the tracked position.
     fn redetect(&mut self, frame: &Picture<'_>, weights: &ScaledIntegers, followed: f64) -> Option<Candidate> {
         let Numbers { found_from, better_by, .. } = self.numbers;
         for place in self.sweep() {

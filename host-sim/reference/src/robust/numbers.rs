@@ -8,7 +8,7 @@ pub struct Numbers {
     /// Template: maximum number of pixels; minimum spacing of its samples, in frame pixels.
     pub pixels: i64,
     pub least_step: f64,
-    /// Pixels read on each axis of a block of frame pixels, when the frame is downsampled.
+    /// Downsampling averages blocks of frame pixels: number of pixels read along each axis of a block.
     pub read_per_side: i64,
     /// Side of a cell, in template pixels.
     pub cell: i64,
@@ -53,7 +53,8 @@ pub struct Numbers {
     pub early_rate: f64,
     /// Similarity of a pixel: p = exp(-d / similarity_scale), with the difference d in gray levels.
     pub similarity_scale: f64,
-    /// Gain of the template's contrast: largest factor between gain and expected gain; bounds of the expected gain.
+    /// Gain of the template's contrast: largest factor between gain and expected gain; bounds of the expected gain (the
+    /// lower one also limits the gain).
     pub most_change: f64,
     pub gain_bounds: (f64, f64),
     /// Lower bound of a search window's contrast, in gray levels.
@@ -81,14 +82,14 @@ pub struct Numbers {
     pub damping: f64,
     /// Upper bound of the normal equations' elements after their division by a power of two.
     pub most_sum: f64,
-    /// Confidence: weight of a frame in the mean evidence, in units of 1/256; largest lead of the mean over the
-    /// evidence; confidences below which the target is lost or uncertain.
+    /// Confidence: weight of a frame in the mean evidence, in units of 1/256; largest lead of the mean over the frame's
+    /// evidence, in units of 1/65536; confidences (0 to 65535) below which the target is lost or uncertain.
     pub confidence_rate: f64,
     pub most_lead: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
-    /// Opinion: running mean of the network's trust in the box. Largest trust; weight of a frame; weight of a frame
-    /// that raises a bad opinion; opinions below which the target is lost or uncertain.
+    /// Opinion: running mean of the network's trust in the box. Largest trust; weight of a frame in the mean; weight of
+    /// a frame that raises a bad opinion; opinions below which the target is lost or uncertain.
     pub most_trust: f64,
     pub opinion_rate: f64,
     pub opinion_rising_rate: f64,
@@ -97,10 +98,10 @@ pub struct Numbers {
     /// Number of consecutive frames with a bad opinion after which the target is given up; opinion after a redetection.
     pub opinion_patience: i64,
     pub opinion_found: f64,
-    /// Minimum evidence (template agreement plus filter response) for learning from a frame.
+    /// Minimum evidence (template agreement plus filter response) for learning from a frame, in units of 1/65536.
     pub learned_from: f64,
-    /// Redetection of a lost target: windows per frame; minimum evidence; minimum lead over the evidence at the tracked
-    /// position.
+    /// Redetection of a lost target: windows per frame; minimum evidence, and its minimum lead over the evidence at the
+    /// tracked position, both in units of 1/65536.
     pub sweep: i64,
     pub found_from: f64,
     pub better_by: f64,

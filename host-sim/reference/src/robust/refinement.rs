@@ -36,16 +36,16 @@ pub fn aligned(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: 
     Aligned { x: best.0, y: best.1, seen: cut(best.0, best.1) }
 }
 
-/// Move to the right and down in template pixels, a multiple of 1/64; growth of the target, a multiple of 1/65536.
+/// Move right and down in template pixels, multiples of 1/64; relative growth of the target, a multiple of 1/65536.
 pub struct Step {
     pub x: f64,
     pub y: f64,
     pub growth: f64,
 }
 
-/// Gauss-Newton step from the early template to the patch: minimises the sum of squares of error + slope * (x, y) +
-/// outward * growth. Here `error` is the patch less the adapted template, clamped to +-alpha; `slope` is the slope of
-/// their mean; `outward` is the dot product of slope and offset from the middle.
+/// Gauss-Newton step from the early template to the patch: minimises the sum of (error + slope * (x, y) + outward *
+/// growth)^2 over the inner pixels. Here `error` is patch minus adapted template, clamped to +-alpha; `slope` is the
+/// gradient of the mean of the two; `outward` is the dot product of `slope` and the pixel's offset from the middle.
 pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch, gain: f64) -> Step {
     let (lit, alpha) = (relit(early, seen, gain), threshold(numbers, early, seen, gain));
     let mut sums = [[0.0; 4]; 3];

@@ -61,7 +61,7 @@ fn activation(sum: f64, divisor: f64) -> f64 {
 }
 
 /// Returns the network's estimates: shift of the centre to the right and down, in sides of the box; logarithms of the
-/// factors of width and height; logarithms of the expected errors of position and size, in units of e^-1.5 sides.
+/// factors of width and height; logarithms of the expected errors of position and size (0: e^-1.5 sides).
 fn network(weights: &[u8], first: &[f64], present: &[f64]) -> Vec<f64> {
     let mut bytes = Bytes(weights);
     let both = first.iter().zip(present).flat_map(|(&first, &present)| [first, present]).collect();

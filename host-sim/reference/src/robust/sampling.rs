@@ -87,7 +87,7 @@ pub struct Lattice {
     pub rows: i64,
 }
 
-/// Linear interpolation on one axis: `part` of the way from the block `first` of frame pixels to the block `second`.
+/// Linear interpolation on one axis from block number `first` of frame pixels to `second`; `part`: weight of `second`.
 struct Interpolation {
     first: i64,
     second: i64,
@@ -167,7 +167,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// Interpolations for `count` sample positions on one axis. Beyond the outermost whole blocks these are repeated.
+/// Interpolations for `count` sample positions on one axis. The first and last whole blocks repeat outward.
 fn between(centre: f64, step: f64, count: i64, block: &Block, size: i64) -> Vec<Interpolation> {
     let first_pixel = centre - down(to_f64(count - 1) * step / 2.0, POSITION);
     let side = to_f64(block.side);
@@ -193,7 +193,7 @@ mod tests {
         assert_eq!(read(2), (vec![0, 1], 0.5));
         assert_eq!(read(4), (vec![1, 3], 2.0));
         assert_eq!(read(1024), (vec![256, 768], 512.0));
-        // Of each four columns only the second and the fourth are read; the only row is repeated.
+        // Only the second and fourth columns of each four are read; the frame's only row is repeated.
         let frame = Picture { pixels: &[9, 10, 9, 20, 9, 30, 9, 50], width: 8, height: 1 };
         let lattice = Lattice { x: 4.0, y: 0.0, step: 4.0, step_down: 4.0, columns: 2, rows: 1 };
         assert_eq!(lattice.sample(&Numbers::refined(), &frame).pixels, [15.0, 40.0]);

@@ -14,8 +14,8 @@ impl Similarity {
         Self((0..=255).map(|difference| similarity(f64::from(difference), scale).rounded).collect())
     }
 
-    /// Agreement, 0 to 65535: the mean similarity of the pixels in the [`Numbers::counted_tile_rank`]-th least similar
-    /// tile.
+    /// Agreement, 0 to 65535. Each tile's similarity is the mean over its pixels; the tile of rank
+    /// [`Numbers::counted_tile_rank`] counts (rank 1 is the least similar tile).
     pub fn agreement(&self, numbers: &Numbers, seen: &Patch, early: &Patch, gain: f64) -> f64 {
         let lit = relit(early, seen, gain);
         let (alpha, across) = (threshold(numbers, early, seen, gain), numbers.tiles_across);
