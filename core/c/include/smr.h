@@ -70,7 +70,7 @@
 #error "SMR_PIXELS must be 1 to 65537 (more pixels could overflow a score), SMR_SPAN at least 1"
 #endif
 
-/** The most pixels of the robust tracker's early template. */
+/** The most pixels of the early template, which the robust tracker keeps from the first frames. */
 #define SMR_ROBUST_PIXELS 1600
 
 /** Alignment of storage and workspace, in bytes. */

@@ -80,7 +80,8 @@ pub(crate) type Lookup = generic::Lookup<v128, SEGMENT, MANY>;
 
 scores!(Lookup, Planes, v128, "simd128", segments: 1 or 16);
 
-/// The first `SEGMENTS` table segments of both byte planes, or all that are in use if `SEGMENTS` is [`MANY`].
+/// The table, low and high bytes of its entries apart: the first `SEGMENTS` segments of both, or all in use if
+/// [`MANY`].
 struct Planes<'a, const SEGMENTS: usize> {
     first: (v128, v128),
     /// The segments after the first.

@@ -155,7 +155,8 @@ impl Row {
         self.recordings.iter().filter(|of| of.right_before).count()
     }
 
-    /// Returns median and maximum, over the recordings, of the number of covered frames with the state *tracking*.
+    /// Returns median and maximum, over the recordings, of the frames called *tracking* while the cover hides the
+    /// target.
     fn tracking(&self) -> (usize, usize) {
         let mut all: Vec<usize> = self.recordings.iter().map(|of| of.tracking).collect();
         all.sort_unstable();

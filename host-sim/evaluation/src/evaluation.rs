@@ -194,7 +194,7 @@ fn contestants(evaluations: &[Evaluation]) -> Vec<Contestant> {
             all.push(contestant.clone());
         }
     }
-    // The sort is stable, so the trackers run here, which compare as equal, keep their order.
+    // Trackers that this program ran compare as equal and keep their order, because the sort is stable.
     all.sort_by(|a, b| match (&a.origin, &b.origin) {
         (None, None) => natord::compare(&a.name, &b.name),
         (a, b) => a.is_none().cmp(&b.is_none()),

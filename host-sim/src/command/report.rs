@@ -50,7 +50,7 @@ pub struct Report {
     /// says why.
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
-    /// With --figures: the frame of figures 1 and 2, from 2 on [default: the frame where SMR leads SAD most]
+    /// With --figures: the frame that figures 1 and 2 show, at least 2 [default: the frame where SMR leads SAD most]
     #[arg(long, value_name = "N", value_parser = from::<NonZeroUsize>(1))]
     frame: Option<NonZeroUsize>,
     /// With --figures: the frames in which the target is hidden, for figure 5 [default: frames without a true box]

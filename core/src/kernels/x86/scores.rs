@@ -136,7 +136,7 @@ pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
 }
 
 /// Lanes that [`narrow_lanes`] compares with a limit: `first` lanes of 127 (always in the mask), `second` lanes that
-/// rise by 1 to 31 (the last ones may be in the mask), then zeroes (never in the mask).
+/// rise in steps of 1 and end at 31 (the last ones may be in the mask), then zeroes (never in the mask).
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];

@@ -120,7 +120,7 @@ pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
 /// The regularisation lambda of the ridge regression: 0.05 * 318^2, because a feature of 1 is the integer 318.
 pub(super) const REGULARISATION: i64 = 5056;
-/// The largest error of a response: about 4, in units of 1/16384. Larger errors are clamped to it.
+/// The largest error of a response, in units of 1/16384: 65535, about 4.0. Larger errors are clamped to it.
 pub(super) const MOST_ERROR: i32 = 65_535;
 /// The bound of a 16-bit coded error (`coded_errors`). A sum of 289 products with 8-bit features stays below 2^31.
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;

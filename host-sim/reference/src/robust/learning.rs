@@ -120,9 +120,9 @@ pub struct Step {
     length: f64,
 }
 
-/// Step length of an exact line search, in units of 2^-44: descent / curvature, at most 8. The curvature is the sum of
-/// the squares of the measured `responses`, scaled up to `all` offsets, plus `regularisation` times the sum of the
-/// squared values of the direction. It is computed in units of 2^18, from responses without their lowest nine bits.
+/// Step length of an exact line search, descent / curvature, at most 8.0, in units of 2^-44. The curvature is the sum
+/// of the squares of the measured `responses`, times `all` / (number of responses), plus `regularisation` times the sum
+/// of the squared values of the direction. Its unit is 2^18, and the lowest nine bits of each response are dropped.
 fn best_length(numbers: &Numbers, direction: &ScaledIntegers, descent: f64, responses: &[f64], all: f64) -> f64 {
     let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
     let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();

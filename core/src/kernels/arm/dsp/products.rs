@@ -19,7 +19,7 @@ use core::ops::Range;
 
 /// Bytes from a filter offset to the next one: the features of one cell, one byte each.
 const STEP: usize = CHANNELS;
-/// Minimum number of factors in a row that the assembly supports.
+/// The shortest row that the assembly supports, in factors.
 const LEAST: usize = 4;
 const PAIRS: usize = STEP / 2;
 const WORD: usize = size_of::<i32>();

@@ -1,4 +1,5 @@
-//! The scale search (as in DSST; Danelljan et al., 2014): compares the filter's response at three neighbouring scales.
+//! The scale search (as in DSST; Danelljan et al., 2014): compares the filter's response at 1/1.02, 1 and 1.02 times
+//! the last scale.
 //!
 //! ```text
 //! scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)

@@ -23,9 +23,10 @@ const MOST: i32 = 3 << 12;
 /// The opinion below which the target is *uncertain*: 1.19, as for expected errors of place and size of 0.12 box sides
 /// each. Unit: 1/4096.
 const UNCERTAIN_BELOW: i32 = 4864;
-/// The opinion below which the target is *lost*: 0.8, as for expected errors of place and size of 0.15 box sides each.
-/// Unit: 1/4096. Of 95 targets covered by noise, 67 are *lost* within 30 frames. A threshold of 2868 makes 55 *lost*,
-/// and changes the fraction R of right frames by +0.0008 +- 0.0006; one of 3686 makes 80 *lost*, and changes R by
+/// The opinion below which the target is *lost*, in units of 1/4096: 0.8, the opinion when the expected errors of place
+/// and size are 0.15 box sides each. Of 95 targets covered by noise, 67 are *lost* within 30 frames. A threshold of 0.7
+/// (2868) makes 55 *lost*, and changes the fraction R of right frames by +0.0008 +- 0.0006; one of 0.9 (3686) makes 80
+/// *lost*, and changes R by -0.0020 +- 0.0011.
 /// -0.0020 +- 0.0011.
 const LOST_BELOW: i32 = 3277;
 /// Updates in a row with an opinion below `UNCERTAIN_BELOW` after which the target is given up.
