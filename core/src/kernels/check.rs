@@ -485,8 +485,8 @@ fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     }
 }
 
-/// Compares layers of a network with the formula, for noise and for the largest sums. Compares layers whose slices are
-/// too short with the plain loop.
+/// Compares layers of a network with the formula, for noise and for the largest sums. If a layer's slices are too
+/// short, compares it with the plain loop.
 #[cfg(feature = "refiner")]
 #[inline(never)]
 pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {

@@ -129,7 +129,7 @@ pub trait Settings: Numbers {
         Some(values)
     }
 
-    /// Restores a configuration from its `table` and its other values, `numbers`, as in a [record](crate::record).
+    /// Restores a configuration from its similarity `table` and the `numbers` that a [record](crate::record) stores.
     ///
     /// # Errors
     /// [`ConfigError`] if the values are not those of a valid configuration.

@@ -1,5 +1,5 @@
-// The browser itself as the source of the application: frames of the built-in recording, a video file or a camera, and
-// a worker that tracks targets in them.
+// Runs the application without host-sim: the browser supplies the frames (of the built-in recording, a video file or a
+// camera), and a worker tracks targets in them.
 
 import { BuiltIn } from "./built-in.js";
 import { Camera } from "./camera.js";

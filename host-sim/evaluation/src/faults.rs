@@ -135,8 +135,8 @@ impl Protocol for Faults<'_> {
     }
 }
 
-/// Returns the frames where faults begin, with the box for the lock `LEAD` frames earlier. The frames are spread evenly
-/// over all with room for the longest fault and a target visible there, one frame before and, wholly, at the lock.
+/// Returns the frames where faults begin, with the box for the lock `LEAD` frames earlier. They are spread evenly over
+/// all frames that allow the longest fault: the target is visible there, one frame before and, wholly, at the lock.
 fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
     let visible = |frame: usize| recording.truth.get(frame).is_some_and(Option::is_some);
     let bounds = recording.bounds();

@@ -11,7 +11,7 @@ pub(super) enum Transfer {
 /// cd/m2, ITU-R BT.2408).
 pub(super) struct Tones {
     transfer: Transfer,
-    /// Light of each 12-bit level: for PQ as a multiple of white paper, for HLG the light of the scene, from 0 to 1.
+    /// Light of each 12-bit level: for PQ relative to the reference white, for HLG the scene's light, from 0 to 1.
     light: Vec<f32>,
     /// Table of sRGB levels: entry n is the 8-bit level of the light (n / 4095)^2.
     levels: Vec<u8>,

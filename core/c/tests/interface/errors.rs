@@ -79,7 +79,7 @@ fn listed(core: &str) -> BTreeSet<String> {
     paths.filter(|path| !path.starts_with("pursuit::") && !path.starts_with("similarity::")).filter_map(named).collect()
 }
 
-/// Maps the number of each status that users of `language` can get to the status's name and text.
+/// Returns name and text, by its number, of each status that users of `language` can get.
 fn words(language: &str) -> BTreeMap<i32, (&'static str, String)> {
     let is_never = |name: &str| NEVER.iter().any(|(of, names, _)| ["", language].contains(of) && names.contains(&name));
     let mut words = BTreeMap::new();

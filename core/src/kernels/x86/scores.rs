@@ -80,7 +80,7 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
         }
     }
 
-    /// Looks up the entries in `COUNT` segments (at most 8) from `first` on.
+    /// Looks up each difference in `COUNT` segments of the table (at most 8), from segment `first` on.
     #[inline(always)]
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 16 * 8
     fn look_up_half<const COUNT: usize>(&self, first: usize, difference: V) -> (V, V) {

@@ -13,7 +13,7 @@ const fn pair(cos: i32, sin: i32) -> u32 {
 }
 
 /// Directions for the assembly. Word 0: direction 0. Words 1 to 5: directions 1 to 5, negated. Words 6 to 9: directions
-/// 1 to 4. A gradient that is beyond n of these four lies in sector n.
+/// 1 to 4. A gradient lies in sector n if its angle is larger than those of n of the directions 1 to 4.
 static TABLE: [u32; 10] = {
     let [first, (a, b), (c, d), (e, f), (g, h), (i, j)] = DIRECTIONS;
     let [k, l, m] = [pair(first.0, first.1), pair(-a, -b), pair(-c, -d)];

@@ -333,8 +333,8 @@ fn pair(halvings: u32) -> [u16; 2] {
 #[inline(never)]
 fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
     let blocks = pixels.width().div_ceil(1 << halvings);
-    // Cannot fail: a lattice with equal steps has at most `COLUMNS` columns, less than two blocks apart. The refiner's
-    // crop has 32 columns, less than four blocks apart.
+    // Cannot fail: a lattice with equal steps spans fewer than 2 * `COLUMNS` blocks (at most `COLUMNS` columns, less
+    // than two blocks apart), and the refiner's crop fewer than 128 (32 columns, less than four blocks apart).
     let _ = means.resize_default(blocks.into());
     let sums = sums.get_mut(..means.len()).unwrap_or_default();
     sums.fill(0);

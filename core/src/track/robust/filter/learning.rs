@@ -246,7 +246,7 @@ enum Phase {
     Direction {
         error_shift: u32,
     },
-    /// Computes the responses to the direction, which give the step length.
+    /// Computes the filter responses of the search direction, which give the step length along it.
     Curvature {
         piece: usize,
     },

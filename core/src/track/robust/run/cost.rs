@@ -79,7 +79,7 @@ mod tests {
     use super::*;
     use std::{format, string::String};
 
-    /// Checks the figures of the drawing in `robust/mod.rs`: the work with the filter that takes the most work.
+    /// Checks the numbers in the diagram of `robust/mod.rs`: the work of each stage, with the most expensive filter.
     #[test]
     fn the_drawing_has_the_work_of_each_stage() {
         let config = Config::robust();
