@@ -139,8 +139,7 @@ impl Tracker {
         each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::to_box(py, window)).transpose()
     }
 
-    /// Reports a turn of the camera in pixels (rounded to 1/256): what was at (x, y) is expected at (x + right, y +
-    /// down).
+    /// Reports a turn of the camera: (x, y) is expected at (x + right, y + down), in pixels rounded to 1/256.
     fn moved(&self, right: f64, down: f64) -> PyResult<()> {
         let units = |pixels: f64| (pixels * 256.0).round();
         let fits = |pixels: f64| units(pixels).abs() <= f64::from(i32::MAX);

@@ -54,7 +54,7 @@ class Tracker:
         there is no such part.
         """
     def moved(self, right: float, down: float) -> None:
-        """Reports a turn of the camera in pixels: what was at (x, y) is expected at (x + right, y + down) next."""
+        """Reports a turn of the camera: (x, y) is expected at (x + right, y + down), in pixels rounded to 1/256."""
     def save(self) -> bytes:
         """Saves the target as bytes, for `restore` with equal preset and options, in Python, Rust, C or MicroPython."""
     def restore(self, saved: bytes) -> None:
@@ -149,7 +149,7 @@ class Recording:
     def __new__(cls, path: Union[_Path, int], *, color: bool = False) -> Recording: ...
     @property
     def fps(self) -> Optional[float]:
-        """Frames per second, by the times of the first frames; None for a live source or without times."""
+        """Frames per second, from the times of the first 31 frames. None for a live source or with fewer than two times."""
     @property
     def size(self) -> Optional[tuple[int, int]]:
         """Width and height of the frames in pixels; None for a camera or an address."""
@@ -168,7 +168,7 @@ class Recording:
     def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[npt.NDArray[np.uint8]]: ...
     def score(self, boxes: Sequence[Optional[_Box]]) -> dict[str, Any]:
-        """Scores any tracker's boxes: the figures of `host-sim eval`, as a dict by their names.
+        """Scores the boxes of any tracker. Returns the figures of `host-sim eval` as a dict from name to value.
 
         `boxes` has (x, y, width, height) in pixels for each frame, or None where the tracker has no answer. Raises
         ValueError without ground truth, or if the number of boxes differs from it.
@@ -182,10 +182,10 @@ def start_beside(path: _Path) -> Optional[_Four]:
 def recordings(paths: Sequence[_Path]) -> list[os.PathLike[str]]:
     """Finds the recordings in folders, as host-sim does: a list of paths. Raises ValueError if a folder has none."""
 def measure(path: _Path, trackers: Mapping[str, Tracker], starts: Union[str, int]) -> dict[str, list[Any]]:
-    """Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as a dict of columns.
-    `starts` has the meaning and values that `smr.evaluate`, which takes many recordings, documents.
+    """Measures trackers on one recording. Returns the table `measured` of `host-sim eval --robustness` as a dict of
+    columns. `starts` is 'given', 'near' or the number of frames between starts, as documented at `smr.evaluate`.
     """
 def follow(trackers: Sequence[Tracker], frame: _Frame, threads: int) -> list[Answer]:
-    """Updates all trackers of a `Group` on at most `threads` threads. Updates none if another thread is using one of them
-    or if one would refuse the frame.
+    """Updates all trackers of a `Group` on at most `threads` threads. Updates no tracker if any tracker is in use by
+    another thread or would refuse the frame.
     """
