@@ -105,11 +105,9 @@ impl Protocol for Faults<'_> {
     const IS_COMMON: bool = true;
 
     fn cases(&self, _: usize, recording: &Recording) -> Result<Vec<Case>> {
-        let (places, longest) = (places(recording, self.longest), self.longest);
-        ensure!(
-            !places.is_empty(),
-            "a fault of {longest} frames fits nowhere: expected a longer recording, with the target's box in most frames"
-        );
+        let places = places(recording, self.longest);
+        let (name, most) = (&recording.name, self.longest);
+        ensure!(!places.is_empty(), "{name}: a fault of {most} frames fits nowhere: expected more frames with a box");
         let cases = self.cases.iter().flat_map(|&fault| {
             places.iter().map(move |&(place, target)| {
                 let (frame, end) = (place - LEAD, self.end(place, fault));
