@@ -195,7 +195,7 @@ export declare class Smr {
   robust(options?: RobustOptions): Tracker<RobustOptions>;
 }
 
-/** A target with a lower quality can hardly be told from its surroundings. */
+/** A target with a lower quality may slip along its own texture unnoticed. */
 export declare const POOR_QUALITY: number;
 
 /** True if the engine has SIMD128. */

@@ -11,7 +11,7 @@ export { SmrError } from "./errors.js";
 /** The names of the states in an answer. */
 export const State = Object.freeze({ TRACKING: "tracking", LEAVING: "leaving", UNCERTAIN: "uncertain", LOST: "lost" });
 
-/** Minimum `quality` of a good target, in units of 1/65535: a poorer one can hardly be told from its surroundings. */
+/** Minimum `quality` of a good target, in units of 1/65535: a poorer one may slip along its own texture unnoticed. */
 export const POOR_QUALITY = 1023;
 
 // The states by their values in the C enum `smr_state`.
@@ -359,7 +359,7 @@ export class Tracker {
     return state === null ? null : { fineBox: this.#library.read("fine"), state: STATES[state] };
   }
 
-  /** Distinctness of the target from its surroundings at the lock, in units of 1/65535; null without a target. */
+  /** Distinctness of the target from shifted copies at the lock, in units of 1/65535; null without a target. */
   get quality() {
     return this.#ask("smr_quality", "short");
   }
@@ -378,7 +378,7 @@ export class Tracker {
   /** Template { width, height, pixels } (robust tracker: its slowly learned early template); null without a target. */
   get template() {
     this.#live();
-    // A saved target contains the template, so the size of one is enough for the pixels.
+    // A buffer of a saved target's size has room for the template, which a saved target contains.
     const size = this.#get("smr_saved_size", "number");
     const image = this.#ask("smr_template", "image", this.#library.pixels(size), size);
     return image === null ? null : { ...image, pixels: this.#library.memory.copy(image.pixels, image.width * image.height) };

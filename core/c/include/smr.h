@@ -90,7 +90,7 @@
 /** The most bytes that #smr_save writes for a robust tracker. */
 #define SMR_ROBUST_SAVED_SIZE 12350
 
-/** A target with a lower quality can hardly be told from its surroundings: see #smr_quality. */
+/** A target with a lower quality may slip along its own texture unnoticed: see #smr_quality. */
 #define SMR_POOR_QUALITY 1023
 
 /** Storage for one of the paper's trackers, with the right size and alignment: static, on the stack or in a larger object. */

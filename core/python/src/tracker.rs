@@ -120,7 +120,7 @@ impl Tracker {
         last.map(|last| answer::answer(py, &last)).transpose()
     }
 
-    /// Distinctness of the target from its surroundings at `init`, from 0 (the box may slip along the target unnoticed)
+    /// Distinctness of the target from shifted copies at `init`, from 0 (the box may slip along the target unnoticed)
     /// to 1. None without a target.
     #[getter]
     fn quality(&self) -> PyResult<Option<f64>> {

@@ -69,7 +69,7 @@ impl PairedSizes {
         self.offsets_of(BOTH)
     }
 
-    /// Number of rows of factors of the partial sum with index `sum`: `upper` (0), `both` (1) or `lower` (2).
+    /// Number of rows that are multiplied for the partial sum `sum`: `upper` (0), `both` (1) or `lower` (2).
     #[allow(dead_code)] // for backends that go sum by sum
     pub(crate) fn rows_of(self, sum: usize) -> usize {
         half(self.down, sum)

@@ -13,7 +13,7 @@ pub trait Method {
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report>;
 
-    /// Returns how well the target differs from its surroundings; `None` before the first lock, and from baselines.
+    /// Returns how well the target differs from shifted copies of itself; `None` before the first lock, and from baselines.
     fn quality(&self) -> Option<Quality> {
         None
     }

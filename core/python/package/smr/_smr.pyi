@@ -29,7 +29,7 @@ class Tracker:
         """The `Answer` of the last `update` or `follow`; None directly after `init` or `restore`."""
     @property
     def quality(self) -> Optional[float]:
-        """Distinctness of the target from its surroundings at `init`, from 0 (the box may slip along the target unnoticed)
+        """Distinctness of the target from shifted copies at `init`, from 0 (the box may slip along the target unnoticed)
         to 1. None without a target.
         """
     @property

@@ -175,10 +175,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// The offsets of `wanted` (bit i stands for the offset (`x` + i, `y`), i from 0 to 3) whose upper bound of the score
-/// reaches `needed`. In this bound, `Scorer::candidates` compares the template pixels that are in the frame at all four
-/// offsets. Template pixels that are outside the frame at all four score as on padding; the others count as fully
-/// similar. `None` if no offset can be excluded.
+/// Returns those offsets of `wanted` (bit i: the offset (`x` + i, `y`), i from 0 to 3) whose upper bound of the score
+/// reaches `needed`; `None` if no offset can be excluded. The bound compares template pixels inside the frame at all
+/// four offsets, scores those outside at all four as on padding, and counts all other pixels as fully similar.
 fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
     let Scene { frame, template, scorer, .. } = scene;
     let four = Rect::new(x, y, template.width().saturating_add(3), template.height());

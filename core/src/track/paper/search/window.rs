@@ -47,13 +47,13 @@ impl Window {
         Self { centre_x: target.x, centre_y: target.y, left, right, top, bottom }
     }
 
-    /// The x coordinates of the box's left edge.
+    /// The x coordinates that the box's left edge takes in this window.
     #[must_use]
     pub const fn xs(&self) -> RangeInclusive<i32> {
         self.left..=self.right
     }
 
-    /// The y coordinates of the box's top edge.
+    /// The y coordinates that the box's top edge takes in this window.
     #[must_use]
     pub const fn ys(&self) -> RangeInclusive<i32> {
         self.top..=self.bottom
