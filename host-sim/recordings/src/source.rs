@@ -1,10 +1,10 @@
 //! The source of a recording, from which frames are read again: in color, or from any frame number on.
 
 use super::ffmpeg::Moment;
-use super::index::{self, Index};
-use super::live::Arrivals;
+use super::ffmpeg::index::{self, Index};
+use super::ffmpeg::live::Arrivals;
+use super::ffmpeg::pictures::{self, Picture, Pictures, Use};
 use super::resize::resized;
-use super::video::{self, Picture, Pictures, Use};
 use super::{BUILT_IN, ColorFrame, Frame, Frames, GrayFrame, OpenOptions, Sequence, images, open, y4m};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
@@ -61,7 +61,7 @@ impl Source {
                 Box::new((first - 1..*length).map(move |index| (frame(index), None)))
             }
             Self::Video(file) => {
-                Box::new(video::good(file, Use::Color(side), patience).skip(first - 1).map(Picture::color))
+                Box::new(pictures::good(file, Use::Color(side), patience).skip(first - 1).map(Picture::color))
             }
         }
     }
@@ -186,7 +186,7 @@ impl Seekable {
                 }
             }
             let begin = || -> Box<dyn Iterator<Item = _> + Send> {
-                match video::open("ffmpeg", &file, wanted, patience) {
+                match pictures::open("ffmpeg", &file, wanted, patience) {
                     Ok(all) => Box::new(all.skip(number - 1)),
                     Err(error) => Box::new(std::iter::once(Err(error))),
                 }

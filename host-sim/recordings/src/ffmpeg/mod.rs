@@ -2,9 +2,13 @@
 //!
 //! All readers of videos start it by [`command`], so that they read the same stream, the one with the most pixels.
 
-use super::damage::damaged;
-use super::hdr::Transfer;
+pub(super) mod index;
+pub(super) mod live;
+pub(super) mod pictures;
+mod tones;
+
 use crate::cleanup::Process;
+use crate::damage::damaged;
 use crate::input::Patient;
 use anyhow::{Context, Result, bail, ensure};
 use std::ffi::{OsStr, OsString};
@@ -14,6 +18,7 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
+use tones::Transfer;
 
 /// Default time without output after which ffmpeg counts as hanging.
 pub const PATIENCE: Duration = Duration::from_secs(60);

@@ -2,10 +2,10 @@
 //!
 //! Times are read from packets if each packet is one frame and times grow; otherwise the whole file is decoded.
 
-use super::ffmpeg::{Ffmpeg, command, fraction, input};
-use super::video::{self, FROM_ZERO, Use};
-use super::y4m;
+use super::pictures::{self, FROM_ZERO, Use};
+use super::{Ffmpeg, command, fraction, input};
 use crate::cleanup::locked;
+use crate::y4m;
 use std::io::BufRead;
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -14,7 +14,7 @@ use std::time::Duration;
 
 /// Times of a video's frames by number, filled in by a thread.
 #[derive(Default)]
-pub(super) struct Index {
+pub(crate) struct Index {
     found: Mutex<Found>,
     grown: Condvar,
 }
@@ -96,12 +96,12 @@ impl Index {
 const SAME: f64 = 1e-6;
 
 /// Returns the number of frames in a file; `None` if only decoding the whole file would give this number.
-pub(super) fn count(file: &Path, patience: Duration) -> Option<usize> {
+pub(crate) fn count(file: &Path, patience: Duration) -> Option<usize> {
     if let Packets::Frames(times) = packets(file, patience) { Some(times.len()) } else { None }
 }
 
 fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
-    video::good(file, Use::Times, patience).map_while(|picture| picture.seconds())
+    pictures::good(file, Use::Times, patience).map_while(|picture| picture.seconds())
 }
 
 /// Result of reading the packets of a file, with only the first frames decoded.
@@ -198,7 +198,7 @@ impl Read {
         times.drain(..times.partition_point(|&time| time < first - SAME));
         let is_there =
             |time: &f64| times.get(times.partition_point(|at| at + SAME < *time)).is_some_and(|at| at - time < SAME);
-        let has_leap = times.windows(2).any(|pair| pair[1] - pair[0] > f64::from(video::MAX_TIME_JUMP));
+        let has_leap = times.windows(2).any(|pair| pair[1] - pair[0] > f64::from(pictures::MAX_TIME_JUMP));
         if has_leap || !tried.iter().all(is_there) {
             return None;
         }

@@ -2,10 +2,10 @@
 //!
 //! Gray pixels are those of `ffmpeg -i FILE -pix_fmt gray -fps_mode passthrough -f rawvideo -`; `showinfo` has times.
 
-use super::ffmpeg::{Ffmpeg, Moment, Shown, command, input};
-use super::hdr::Tones;
-use super::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
+use super::tones::Tones;
+use super::{Ffmpeg, Moment, Shown, command, input};
 use crate::input::Patient;
+use crate::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Result};
 use std::io::{ErrorKind, Read};
 use std::path::Path;
@@ -17,12 +17,12 @@ const EXTENSIONS: [&str; 22] = [
     "m2v", "h264", "h265", "hevc", "ivf", "mjpeg",
 ];
 
-pub(super) fn is_video(file: &Path) -> bool {
+pub(crate) fn is_video(file: &Path) -> bool {
     has_extension(file, &EXTENSIONS)
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Use {
+pub(crate) enum Use {
     Gray,
     /// Color frames for display, scaled down to at most this many pixels on a side.
     Color(u16),
@@ -30,7 +30,7 @@ pub(super) enum Use {
 }
 
 /// Returns all pictures of a file, then an error if ffmpeg reports damage. Errors: No ffmpeg, or no picture.
-pub(super) fn open(
+pub(crate) fn open(
     program: &str,
     file: &Path,
     wanted: Use,
@@ -62,11 +62,11 @@ pub(super) fn open(
 }
 
 /// Returns the pictures of a file up to the first error.
-pub(super) fn good(file: &Path, wanted: Use, patience: Duration) -> impl Iterator<Item = Picture> + use<> {
+pub(crate) fn good(file: &Path, wanted: Use, patience: Duration) -> impl Iterator<Item = Picture> + use<> {
     open("ffmpeg", file, wanted, patience).into_iter().flatten().map_while(Result::ok)
 }
 
-pub(super) struct Picture {
+pub(crate) struct Picture {
     size: (u16, u16),
     pub moment: Option<Moment>,
     bytes: Vec<u8>,
@@ -90,7 +90,7 @@ impl Picture {
     }
 }
 
-pub(super) struct Pictures {
+pub(crate) struct Pictures {
     ffmpeg: Ffmpeg,
     pixels: Patient,
     /// Size, time and flags of the next picture; `None` if not read yet.
@@ -101,7 +101,7 @@ pub(super) struct Pictures {
 }
 
 /// ffmpeg options that count times from the start of the file, also after a seek.
-pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
+pub(crate) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
 
 /// Time error in seconds from which a seek is a miss; rounding to milliseconds alone causes errors of up to 0.0005 s.
 const SEEK_TOLERANCE: f64 = 0.0006;
@@ -182,7 +182,7 @@ impl Pictures {
 
 /// Largest step in seconds between the times of successive frames of one video. A larger step is a join of two videos:
 /// where times go back in MPEG-TS, ffmpeg assumes a clock overflow and turns this into a large step forward.
-pub(super) const MAX_TIME_JUMP: u32 = 43_200;
+pub(crate) const MAX_TIME_JUMP: u32 = 43_200;
 
 /// Times that never go back: in a file of joined videos, each video continues the times of the one before.
 #[derive(Default)]

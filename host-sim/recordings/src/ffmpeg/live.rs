@@ -1,9 +1,9 @@
 //! Live frames of a camera, a network address or standard input. A slow reader gets only the newest frame.
 
-use super::Frame;
-use super::ffmpeg::{self, Ffmpeg};
-use super::y4m::{self, Planes};
+use super::{Ffmpeg, command as ffmpeg_command};
+use crate::Frame;
 use crate::cleanup::{self, locked};
+use crate::y4m::{self, Planes};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader, stdin};
 use std::path::Path;
@@ -52,7 +52,7 @@ fn is_camera(path: &Path) -> bool {
 }
 
 /// Splits an address into its public part, and its secrets: user with password, and query.
-pub(super) fn without_secrets(address: &Path) -> (String, Vec<String>) {
+pub(crate) fn without_secrets(address: &Path) -> (String, Vec<String>) {
     let address = address.to_string_lossy();
     let Some((scheme, rest)) = address.split_once("://") else { return (address.into_owned(), Vec::new()) };
     let (host, path) = rest.split_at(rest.find(['/', '?']).unwrap_or(rest.len()));
@@ -104,7 +104,7 @@ fn command(address: &Path) -> Command {
     // Shortens the examination of the stream before the first frame, which by default takes ffmpeg five seconds.
     let options = ["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "2000000", "-f", "v4l2"];
     let options = if is_camera(address) { &options[..] } else { &options[..6] };
-    let mut command = ffmpeg::command("ffmpeg", "level+warning", address.as_os_str(), options);
+    let mut command = ffmpeg_command("ffmpeg", "level+warning", address.as_os_str(), options);
     command.args(["-vf", "scale=out_range=full,format=yuv420p", "-fps_mode", "passthrough", "-flush_packets", "1"]);
     command.args(["-f", "yuv4mpegpipe", "-strict", "-1", "-"]);
     command
