@@ -10,6 +10,7 @@ mod cases;
 mod command_line;
 #[cfg(unix)]
 mod endurance;
+mod ffmpeg;
 mod figures;
 mod live;
 mod page;

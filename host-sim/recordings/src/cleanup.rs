@@ -1,6 +1,7 @@
 //! Clean-up on a signal: removes unfinished files and folders, and kills child processes, before this program ends.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus};
@@ -88,6 +89,9 @@ impl Process {
         // In its own process group, the child gets no Ctrl-C. This program gets the signal and ends the child itself.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(command, 0);
+        for (name, _) in std::env::vars_os().filter(|(name, _)| changes_ffmpeg(name)) {
+            command.env_remove(name);
+        }
         let start = || Ok(Arc::new(Mutex::new(command.spawn()?)));
         let (child, _kept) = keep(start, |child| Resource::Process(Arc::clone(child)))?;
         Ok(Self { child, _kept })
@@ -124,9 +128,13 @@ impl Process {
         end(&self.child);
     }
 
-    /// Returns the exit status; `None` while the process runs.
+    /// Returns the exit status; `None` while the process runs. If this program ignores SIGCHLD, the system forgets the
+    /// status: the process then counts as ended with success, so a caller needs another proof of what it has done.
     pub fn ended(&self) -> io::Result<Option<ExitStatus>> {
-        locked(&self.child).try_wait()
+        match locked(&self.child).try_wait() {
+            Err(error) if is_forgotten(&error) => Ok(Some(ExitStatus::default())),
+            ended => ended,
+        }
     }
 
     /// Waits until the process ends. Returns `None` when `more`, called with the time waited so far, returns false.
@@ -142,6 +150,17 @@ impl Process {
             thread::sleep(Duration::from_millis(1));
         }
     }
+}
+
+/// True for an environment variable by which ffmpeg changes its messages or writes a report.
+fn changes_ffmpeg(name: &OsStr) -> bool {
+    let name = name.to_string_lossy();
+    name.starts_with("AV_LOG_") || name == "FFREPORT"
+}
+
+/// True for ECHILD, number 10 on Linux, macOS and the BSDs: there is no such child, or none any more.
+fn is_forgotten(error: &io::Error) -> bool {
+    cfg!(unix) && error.raw_os_error() == Some(10)
 }
 
 impl Drop for Process {
@@ -160,7 +179,9 @@ fn end(child: &Mutex<Child>) {
 /// Handles SIGINT, SIGTERM and SIGHUP (unless ignored, as by `nohup`): cleans up, then exits with 128 + signal.
 #[cfg(unix)]
 pub fn heed_signals() -> io::Result<()> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGCHLD, SIGHUP, SIGINT, SIGTERM};
+    // A parent may have set SIGCHLD to be ignored; the system would then forget the exit status of every child.
+    signal_hook::flag::register(SIGCHLD, Arc::default())?;
     let wanted = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| signal != SIGHUP || !is_ignored(signal));
     let mut signals = signal_hook::iterator::Signals::new(wanted)?;
     thread::spawn(move || {

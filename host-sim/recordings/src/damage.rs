@@ -8,13 +8,14 @@ use std::fmt;
 #[derive(Debug)]
 pub struct Damaged {
     why: String,
-    before: u64,
+    /// Number of whole frames before the damage; `None` until [`frames`] has counted them.
+    before: Option<usize>,
 }
 
 impl Damaged {
     /// Returns the frames before the damage as a value of `--frames`, such as `..9`; `None` if there are none.
     pub fn whole_part(&self) -> Option<String> {
-        (self.before > 0).then(|| format!("..{}", self.before))
+        self.before.filter(|&before| before > 0).map(|before| format!("..{before}"))
     }
 }
 
@@ -26,8 +27,9 @@ impl fmt::Display for Damaged {
 
 impl std::error::Error for Damaged {}
 
-pub(super) fn damaged(why: String) -> Error {
-    Damaged { why, before: 0 }.into()
+/// Creates the error; `before` is the number of whole frames, if it is not that of the frames before the error.
+pub(super) fn damaged(why: String, before: Option<usize>) -> Error {
+    Damaged { why, before }.into()
 }
 
 /// Checks the frames of `source` as they are read; errors call the source `at`.
@@ -42,7 +44,7 @@ pub(super) fn frames(mut source: impl Iterator<Item = Result<Frame>> + Send + 's
             Some(Ok(frame)) => Some(same_size(frame, &mut first).with_context(|| format!("{at}, frame {number}"))),
             Some(Err(mut error)) => {
                 if let Some(damaged) = error.downcast_mut::<Damaged>() {
-                    damaged.before = number - 1;
+                    damaged.before.get_or_insert(number - 1);
                 }
                 Some(Err(error))
             }

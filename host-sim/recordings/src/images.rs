@@ -165,12 +165,12 @@ fn samples(bytes: &[u8]) -> Result<Samples> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => png(bytes),
         [0xFF, 0xD8, ..] => jpeg::decode(bytes),
-        [] => Err(damaged(format!("it is empty: {EXPECTED}"))),
+        [] => Err(damaged(format!("it is empty: {EXPECTED}"), None)),
         [b'P', b'1' | b'4', space, ..] if space.is_ascii_whitespace() => Err(unread("a bitmap of one bit (PBM)")),
         [b'P', b'2' | b'3' | b'5' | b'6' | b'7', ..] => pnm::decode(bytes),
         _ => match foreign(bytes) {
             Some(kind) => Err(unread(kind)),
-            None => Err(damaged(format!("{EXPECTED}: it begins like none of these formats"))),
+            None => Err(damaged(format!("{EXPECTED}: it begins like none of these formats"), None)),
         },
     }
 }
@@ -270,9 +270,9 @@ fn png(bytes: &[u8]) -> Result<Samples> {
 fn undecodable(error: DecodingError) -> Error {
     match error {
         DecodingError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
-            damaged(format!("{EXPECTED}: it is cut short"))
+            damaged(format!("{EXPECTED}: it is cut short"), None)
         }
         DecodingError::LimitsExceeded => anyhow!("it is too large: expected at most {MOST_PIXELS} pixels"),
-        _ => damaged(format!("{EXPECTED}: it is damaged")),
+        _ => damaged(format!("{EXPECTED}: it is damaged"), None),
     }
 }

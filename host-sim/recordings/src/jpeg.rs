@@ -19,10 +19,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
         return Err(unread(kind));
     }
     let why = if layout.frame.is_some() { "its end is missing" } else { "it is damaged" };
-    let end = layout.end.ok_or_else(|| damaged(format!("{EXPECTED}: {why}")))?;
+    let end = layout.end.ok_or_else(|| damaged(format!("{EXPECTED}: {why}"), None))?;
     ensure!(layout.next(bytes).is_none(), several());
     let samples = pixels(&[&bytes[..2], STANDARD_TABLES, &bytes[2..end]].concat());
-    let samples = samples.map_err(|error| damaged(format!("{EXPECTED}: {error}")))?;
+    let samples = samples.map_err(|error| damaged(format!("{EXPECTED}: {error}"), None))?;
     Ok(Samples { orientation: layout.orientation, ..samples })
 }
 

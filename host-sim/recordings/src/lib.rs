@@ -38,8 +38,7 @@ mod y4m;
 
 pub use boxes::BoundingBox;
 pub use damage::Damaged;
-pub use ffmpeg::live::{Arrivals, Live, is_live};
-pub use ffmpeg::{Moment, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
+pub use ffmpeg::{Arrivals, Live, Moment, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, is_live, silent};
 pub use folders::recordings;
 pub use frame_range::{FrameRange, misfit};
 pub use images::{Picture, decode_colors, decode_picture};
@@ -216,7 +215,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         Sequence::streamed(name, frames, Source::Once)
     } else if is_live(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
-        let (name, _) = ffmpeg::live::without_secrets(path);
+        let (name, _) = ffmpeg::without_secrets(path);
         ensure!(options.takes_live, "{name} is a live source, for `track` and `view` alone: expected a recording");
         let live = Live::open(path, options.patience())?;
         let (name, source) = (live.name.clone(), Source::Live(Arc::clone(&live.arrivals)));
@@ -389,7 +388,7 @@ fn check_file(file: &Path, name: &str) -> Result<()> {
 }
 
 fn is_recording(file: &Path) -> bool {
-    y4m::is_y4m(file) || raw::is_raw(file) || ffmpeg::pictures::is_video(file)
+    y4m::is_y4m(file) || raw::is_raw(file) || ffmpeg::is_video(file)
 }
 
 fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
@@ -401,7 +400,7 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     let data = fs::metadata(file).with_context(|| format!("cannot open {name}"))?;
     // A pipe has length 0, but can be read.
     ensure!(!data.is_file() || data.len() > 0, "{name} is empty: expected a recording");
-    let is_other = ffmpeg::pictures::is_video(file) || y4m::is_y4m(file) || images::is_picture(file);
+    let is_other = ffmpeg::is_video(file) || y4m::is_y4m(file) || images::is_picture(file);
     ensure!(options.size.is_none() || !is_other, "--size is for raw dumps: {name} is none");
     if options.size.is_some() || raw::is_raw(file) {
         let size = options
@@ -420,9 +419,10 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     }
     // ffmpeg would render a text file as a video of a terminal.
     ensure!(!has_extension(file, &["txt"]), "{name} is a text file: expected a recording (a video, Y4M or pictures)");
-    let pictures = ffmpeg::pictures::open("ffmpeg", file, ffmpeg::pictures::Use::Gray, options.patience())?;
-    let frames = (1..).zip(pictures).map(|(number, picture)| Ok(picture?.gray(number)));
-    Ok(Sequence::streamed(name, frames, source))
+    let reading = ffmpeg::open("ffmpeg", file, ffmpeg::Use::Gray, options.patience())?;
+    let notes = reading.note.clone().into_iter().collect();
+    let frames = (1..).zip(reading).map(|(number, picture)| Ok(picture?.gray(number)));
+    Ok(Sequence { notes, ..Sequence::streamed(name, frames, source) })
 }
 
 /// True if the extension is that of a picture, video, Y4M file or raw dump.

@@ -48,7 +48,7 @@ impl Reader<'_> {
         ensure!((1..=4).contains(&channels), "it has {channels} values a pixel: expected 1 to 4");
         let count = width as usize * height as usize * channels as usize;
         let is_wide = largest == 65535;
-        let cut = || damaged(format!("{EXPECTED}: it is cut short"));
+        let cut = || damaged(format!("{EXPECTED}: it is cut short"), None);
         let samples = if is_text {
             let mut samples = Vec::new();
             // The header may state a larger size than the file has, so memory grows with the values read.
@@ -75,7 +75,7 @@ impl Reader<'_> {
             "P5" => (false, 1),
             "P6" => (false, 3),
             "P7" => return self.pam(),
-            _ => return Err(damaged(format!("{EXPECTED}: it begins like none of these formats"))),
+            _ => return Err(damaged(format!("{EXPECTED}: it begins like none of these formats"), None)),
         };
         let mut number = || self.number().ok_or_else(|| no_header("width, height and largest value"));
         let (width, height, largest) = (number()?, number()?, number()?);
@@ -128,5 +128,5 @@ impl Reader<'_> {
 const LONGEST: usize = 20;
 
 fn no_header(missing: &str) -> Error {
-    damaged(format!("{EXPECTED}: its header has no {missing}"))
+    damaged(format!("{EXPECTED}: its header has no {missing}"), None)
 }

@@ -39,7 +39,7 @@ fn read(dump: &mut impl Read, (width, height): (u16, u16)) -> Result<Option<Gray
     let found = dump.take(expected as u64).read_to_end(&mut pixels)?;
     if found != 0 && found != expected {
         let why = format!("or its frames are not {width}x{height}: expected {expected} bytes, found {found}");
-        return Err(damaged(format!("it is cut short, {why}")));
+        return Err(damaged(format!("it is cut short, {why}"), None));
     }
     Ok((found > 0).then_some(GrayFrame { width, height, pixels }))
 }

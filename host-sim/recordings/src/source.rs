@@ -1,9 +1,6 @@
 //! The source of a recording, from which frames are read again: in color, or from any frame number on.
 
-use super::ffmpeg::Moment;
-use super::ffmpeg::index::{self, Index};
-use super::ffmpeg::live::Arrivals;
-use super::ffmpeg::pictures::{self, Picture, Pictures, Use};
+use super::ffmpeg::{self, Arrivals, Index, Moment, Picture, Use};
 use super::resize::resized;
 use super::{BUILT_IN, ColorFrame, Frame, Frames, GrayFrame, OpenOptions, Sequence, images, open, y4m};
 use anyhow::Result;
@@ -40,7 +37,7 @@ impl Source {
 
     /// Returns the number of frames of a video; `None` if only decoding the whole video would show it.
     pub fn length(&self, patience: Duration) -> Option<usize> {
-        index::count(self.video()?, patience)
+        ffmpeg::count(self.video()?, patience)
     }
 
     pub fn live(&self) -> Option<Arc<Arrivals>> {
@@ -61,7 +58,7 @@ impl Source {
                 Box::new((first - 1..*length).map(move |index| (frame(index), None)))
             }
             Self::Video(file) => {
-                Box::new(pictures::good(file, Use::Color(side), patience).skip(first - 1).map(Picture::color))
+                Box::new(ffmpeg::good(file, Use::Color(side), patience).skip(first - 1).map(Picture::color))
             }
         }
     }
@@ -169,24 +166,24 @@ impl Seekable {
         wanted: Use,
     ) -> impl Iterator<Item = Result<Picture>> + use<> {
         let (index, file, patience) = (Arc::clone(&self.index), file.to_owned(), self.options.patience());
-        let found = index.sought(number).and_then(|time| Pictures::at(&file, time, wanted, patience));
+        let video = index.video();
+        let found = video.zip(index.sought(number)).and_then(|(video, time)| ffmpeg::sought(&video, time, wanted));
         let (mut first, mut pictures) = found.unzip();
         let mut rest: Option<Box<dyn Iterator<Item = Result<Picture>> + Send>> = None;
         std::iter::from_fn(move || {
             if let Some(sought) = &mut pictures {
                 let picture = first.take().or_else(|| sought.next().ok()?);
-                let is_end = picture.is_none();
-                match picture.filter(|picture| !picture.is_doubtful && index.has(number, picture.seconds())) {
+                match picture.filter(|picture| index.has(number, picture.seconds())) {
                     Some(picture) => {
                         number += 1;
                         return Some(Ok(picture));
                     }
-                    None if is_end && index.ends_before(number) && sought.verdict().is_ok() => return None,
+                    None if sought.is_whole() && index.ends_before(number) => return None,
                     None => pictures = None,
                 }
             }
             let begin = || -> Box<dyn Iterator<Item = _> + Send> {
-                match pictures::open("ffmpeg", &file, wanted, patience) {
+                match ffmpeg::open("ffmpeg", &file, wanted, patience) {
                     Ok(all) => Box::new(all.skip(number - 1)),
                     Err(error) => Box::new(std::iter::once(Err(error))),
                 }

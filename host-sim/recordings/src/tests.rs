@@ -568,8 +568,8 @@ mod videos {
         });
         let file = folder.path().join("a.ts");
         fs::write(&file, parts.concat()).unwrap();
-        let expected =
-            "@/a.ts: the frame size or the pixel format changes during the video: expected the same in all frames";
-        assert_eq!(read(&file, &OpenOptions::default()).1, expected);
+        // The last frame in front of the change is decoded or not, as the version of ffmpeg has it.
+        let error = read(&file, &OpenOptions::default()).1;
+        assert!(error.ends_with("it is 96x64: expected 160x120, the size of the first"), "{error}");
     }
 }

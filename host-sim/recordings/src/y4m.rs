@@ -68,7 +68,7 @@ impl<R: BufRead> Frames<R> {
         if read < frame_bytes {
             let (expected, found) = ("FRAME\n".len() as u64 + frame_bytes, line.len() as u64 + read);
             let why = format!("it is cut short: expected {expected} bytes with its header, found {found}");
-            return Err(damaged(why));
+            return Err(damaged(why, None));
         }
         Ok(Some(pixels))
     }

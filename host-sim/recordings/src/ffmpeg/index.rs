@@ -2,13 +2,14 @@
 //!
 //! Times are read from packets if each packet is one frame and times grow; otherwise the whole file is decoded.
 
-use super::pictures::{self, FROM_ZERO, Use};
-use super::{Ffmpeg, command, fraction, input};
+use super::facts::Video;
+use super::packets::{DISCARDED, Packets};
+use super::pictures::{FROM_ZERO, MAX_TIME_JUMP, Use};
+use super::reading;
 use crate::cleanup::locked;
 use crate::y4m;
-use std::io::BufRead;
 use std::path::Path;
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -17,6 +18,7 @@ use std::time::Duration;
 pub(crate) struct Index {
     found: Mutex<Found>,
     grown: Condvar,
+    video: OnceLock<Arc<Video>>,
 }
 
 #[derive(Default)]
@@ -46,9 +48,14 @@ impl Index {
     }
 
     fn fill(&self, file: &Path, patience: Duration) {
-        let packets = packets(file, patience);
-        self.change(|found| found.can_seek = Some(packets != Packets::Unsure));
-        if let Packets::Frames(times) = packets {
+        if !y4m::is_y4m(file)
+            && let Ok(video) = Video::of("ffmpeg", file, patience)
+        {
+            let _ = self.video.set(Arc::new(video));
+        }
+        let listing = listing(file, self.video.get(), patience);
+        self.change(|found| found.can_seek = Some(listing != Listing::Unsure));
+        if let Listing::Frames(times) = listing {
             return self.change(|found| (found.times, found.is_whole) = (times, true));
         }
         for time in decoded(file, patience) {
@@ -64,6 +71,11 @@ impl Index {
     fn change(&self, change: impl FnOnce(&mut Found)) {
         change(&mut locked(&self.found));
         self.grown.notify_all();
+    }
+
+    /// Returns the facts of the file; `None` until they are known, or if ffmpeg cannot read it.
+    pub fn video(&self) -> Option<Arc<Video>> {
+        self.video.get().cloned()
     }
 
     /// Returns the times of all frames; `None` until all are known.
@@ -97,21 +109,23 @@ const SAME: f64 = 1e-6;
 
 /// Returns the number of frames in a file; `None` if only decoding the whole file would give this number.
 pub(crate) fn count(file: &Path, patience: Duration) -> Option<usize> {
-    if let Packets::Frames(times) = packets(file, patience) { Some(times.len()) } else { None }
+    let video = if y4m::is_y4m(file) { None } else { Some(Arc::new(Video::of("ffmpeg", file, patience).ok()?)) };
+    if let Listing::Frames(times) = listing(file, video.as_ref(), patience) { Some(times.len()) } else { None }
 }
 
 fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
-    pictures::good(file, Use::Times, patience).map_while(|picture| picture.seconds())
+    reading::good(file, Use::Times, patience).map_while(|picture| picture.seconds())
 }
 
 /// Result of reading the packets of a file, with only the first frames decoded.
 #[derive(Debug, PartialEq)]
-enum Packets {
+enum Listing {
     /// Presentation times of all frames in seconds, sorted; each packet is one frame.
     Frames(Vec<f64>),
     /// Times grow, but some packets may show no frame of their own.
     Hidden,
-    /// Times are missing, wrong, repeat, go back or leap, a packet is empty, the codec is not known, or reading failed.
+    /// Times are missing, wrong, repeat, go back or leap, a packet is empty, the codec is not known, reading failed, or
+    /// the file does not begin with a key frame or is not whole.
     Unsure,
 }
 
@@ -123,11 +137,14 @@ const SOME_HIDDEN: [&str; 2] = ["vp8", "mpeg4"];
 /// Count of frames that are decoded to verify the times of the packets.
 const CHECKED_FRAMES: usize = 48;
 
-fn packets(file: &Path, patience: Duration) -> Packets {
+fn listing(file: &Path, video: Option<&Arc<Video>>, patience: Duration) -> Listing {
     if y4m::is_y4m(file) {
-        return y4m::times(file).map_or(Packets::Unsure, |times| Packets::Frames(times.collect()));
+        return y4m::times(file).map_or(Listing::Unsure, |times| Listing::Frames(times.collect()));
     }
-    read_packets(file, patience).and_then(|read| read.checked(file, patience)).unwrap_or(Packets::Unsure)
+    let read = video
+        .filter(|video| video.facts.begins_at_key && video.input.end.is_none())
+        .and_then(|video| read_packets(video));
+    read.and_then(|read| read.checked(file, patience)).unwrap_or(Listing::Unsure)
 }
 
 /// Facts about a file's packets; no two shown packets have the same presentation time.
@@ -140,65 +157,50 @@ struct Read {
     has_empty: bool,
 }
 
-/// Flag of packets that are decoded but not shown, because an edit list cuts them.
-const DISCARDED: u32 = 4;
-
-/// Reads ffmpeg's line of each packet: `stream, DTS, PTS, duration, size, sum[, F=flags]`. Returns `None` if ffmpeg
-/// cannot be run or read, a time is missing, the DTS does not grow, or two shown packets have the same PTS.
-fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
-    let mut command = command("ffmpeg", "quiet", &input(file), &FROM_ZERO);
-    command.args(["-c", "copy", "-copyinkf", "-copypriorss", "1", "-f", "framecrc", "-"]);
-    let mut ffmpeg = Ffmpeg::run(&mut command, "", patience).ok()?;
-    let mut lines = ffmpeg.output();
-    let mut read = Read { codec: String::new(), base: (0.0, 1.0), times: Vec::new(), has_empty: false };
-    let (mut line, mut last) = (String::new(), i64::MIN);
-    while lines.read_line(&mut line).ok()? > 0 {
-        if let Some(head) = line.strip_prefix('#') {
-            let value = |name: &str| head.strip_prefix(name).map(str::trim);
-            read.base = value("tb 0:").and_then(fraction).map_or(read.base, |(n, d)| (n.into(), d.into()));
-            read.codec = value("codec_id 0:").map_or(read.codec, str::to_owned);
-        } else {
-            let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-            // ffmpeg prints `i64::MIN` for an unknown time.
-            let number = |at: usize| fields.get(at)?.parse().ok().filter(|&number| number != i64::MIN);
-            let flags = fields.iter().find_map(|field| u32::from_str_radix(field.strip_prefix("F=0x")?, 16).ok());
-            let (sent, shown) = (number(1)?, number(2)?);
-            if sent <= std::mem::replace(&mut last, sent) {
+/// Reads all packets. Returns `None` if ffmpeg cannot be run or read, a time is missing, the DTS does not grow, or two
+/// shown packets have the same PTS.
+fn read_packets(video: &Video) -> Option<Read> {
+    let facts = &video.facts;
+    let mut packets = Packets::of(&video.input, &FROM_ZERO, &["-map", &format!("0:V:{}", facts.stream)]).ok()?;
+    let (unit, second) = facts.base?;
+    let base = (unit.into(), second.into());
+    let mut read = Read { codec: facts.codec.clone(), base, times: Vec::new(), has_empty: false };
+    let mut last = i64::MIN;
+    while let Some(packet) = packets.next().ok()? {
+        let (sent, shown) = (packet.sent?, packet.shown?);
+        if sent <= std::mem::replace(&mut last, sent) {
+            return None;
+        }
+        read.has_empty |= packet.size == 0;
+        if packet.flags & DISCARDED == 0 {
+            let at = read.times.len() - read.times.iter().rev().take_while(|&&time| time > shown).count();
+            if at > 0 && read.times[at - 1] == shown {
                 return None;
             }
-            read.has_empty |= number(4) == Some(0);
-            if flags.is_none_or(|flags| flags & DISCARDED == 0) {
-                let at = read.times.len() - read.times.iter().rev().take_while(|&&time| time > shown).count();
-                if at > 0 && read.times[at - 1] == shown {
-                    return None;
-                }
-                read.times.insert(at, shown);
-            }
+            read.times.insert(at, shown);
         }
-        line.clear();
     }
-    Some(read)
+    packets.ffmpeg.succeeded().ok()?.then_some(read)
 }
 
 impl Read {
     /// Classifies the packets; `None` for an unknown codec, an empty packet, no decodable frame, a leap in time, or
     /// packet times that lack the time of a decoded frame.
-    fn checked(mut self, file: &Path, patience: Duration) -> Option<Packets> {
+    fn checked(mut self, file: &Path, patience: Duration) -> Option<Listing> {
         if SOME_HIDDEN.contains(&self.codec.as_str()) {
-            return Some(Packets::Hidden);
+            return Some(Listing::Hidden);
         }
         if self.has_empty || !ONE_EACH.contains(&self.codec.as_str()) {
             return None;
         }
         let seconds = |&time: &i64| time as f64 * self.base.0 / self.base.1;
         let tried: Vec<f64> = decoded(file, patience).take(CHECKED_FRAMES).collect();
-        // Packets before the first decoded frame cannot be decoded: the recording began between two key frames.
         let first = *tried.first()?;
         let mut times: Vec<f64> = self.times.drain(..).map(|time| seconds(&time)).collect();
         times.drain(..times.partition_point(|&time| time < first - SAME));
         let is_there =
             |time: &f64| times.get(times.partition_point(|at| at + SAME < *time)).is_some_and(|at| at - time < SAME);
-        let has_leap = times.windows(2).any(|pair| pair[1] - pair[0] > f64::from(pictures::MAX_TIME_JUMP));
+        let has_leap = times.windows(2).any(|pair| pair[1] - pair[0] > f64::from(MAX_TIME_JUMP));
         if has_leap || !tried.iter().all(is_there) {
             return None;
         }
@@ -207,6 +209,6 @@ impl Read {
         let are_all = tried.len() == times.len()
             || tried.len() == CHECKED_FRAMES
                 && tried.last() <= times.get(CHECKED_FRAMES - 1).map(|at| at + SAME).as_ref();
-        Some(if are_all && least(&times) > 0.6 * least(&tried) { Packets::Frames(times) } else { Packets::Hidden })
+        Some(if are_all && least(&times) > 0.6 * least(&tried) { Listing::Frames(times) } else { Listing::Hidden })
     }
 }

@@ -1,6 +1,6 @@
 //! Live frames of a camera, a network address or standard input. A slow reader gets only the newest frame.
 
-use super::{Ffmpeg, command as ffmpeg_command};
+use super::process::{self, Ffmpeg};
 use crate::Frame;
 use crate::cleanup::{self, locked};
 use crate::y4m::{self, Planes};
@@ -102,9 +102,12 @@ impl Live {
 /// Builds the low-delay ffmpeg command. Luma is full-range, as for video files; chroma has half its width and height.
 fn command(address: &Path) -> Command {
     // Shortens the examination of the stream before the first frame, which by default takes ffmpeg five seconds.
-    let options = ["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "2000000", "-f", "v4l2"];
-    let options = if is_camera(address) { &options[..] } else { &options[..6] };
-    let mut command = ffmpeg_command("ffmpeg", "level+warning", address.as_os_str(), options);
+    let mut command = process::command("ffmpeg");
+    command.args(["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "2000000"]);
+    if is_camera(address) {
+        command.args(["-f", "v4l2"]);
+    }
+    command.arg("-i").arg(address).args(["-an", "-sn", "-dn"]);
     command.args(["-vf", "scale=out_range=full,format=yuv420p", "-fps_mode", "passthrough", "-flush_packets", "1"]);
     command.args(["-f", "yuv4mpegpipe", "-strict", "-1", "-"]);
     command

@@ -1,10 +1,37 @@
 //! Tone mapping: converts HDR light to the levels of an ordinary screen.
 
+use super::matroska::Elements;
+use super::process::Input;
+use anyhow::Result;
+use std::io::Read;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Transfer {
     Pq,
     Hlg,
 }
+
+/// Returns the transfer function of a video stream's first picture; `None` without HDR. ffmpeg states it as a number in
+/// the head of a Matroska file.
+pub(super) fn transfer(input: &Input, stream: usize) -> Result<Option<Transfer>> {
+    let mut command = input.command(&[]);
+    command.args(["-map", &format!("0:V:{stream}"), "-frames:v", "1", "-vf", "crop='min(2,iw)':'min(2,ih)'"]);
+    command.args(["-c:v", "ffv1", "-f", "matroska", "-"]);
+    let ffmpeg = input.run(&mut command)?;
+    let mut head = Vec::new();
+    ffmpeg.output().take(MAX_HEAD).read_to_end(&mut head)?;
+    Ok(match Elements::number(&head, &TRANSFER_CHARACTERISTICS) {
+        Some(16) => Some(Transfer::Pq),
+        Some(18) => Some(Transfer::Hlg),
+        _ => None,
+    })
+}
+
+/// Largest Matroska file with a picture of four pixels, in bytes.
+const MAX_HEAD: u64 = 1 << 20;
+
+/// Path of Matroska elements: Segment, Tracks, TrackEntry, Video, Colour, TransferCharacteristics.
+const TRANSFER_CHARACTERISTICS: [u32; 6] = [0x1853_8067, 0x1654_AE6B, 0xAE, 0xE0, 0x55B0, 0x55BA];
 
 /// Tone curve: multiplies red, green and blue of BT.709 (negative light is cut to 0) by (1 + L / P^2) / (1 + L), and
 /// cuts the products to 1. L is the brightest of the three, and P is 1000 cd/m2, both in units of white paper (203

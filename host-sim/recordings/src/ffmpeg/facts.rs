@@ -1,0 +1,91 @@
+//! Facts about a video file, known before a picture is decoded.
+
+use super::matroska;
+use super::packets::{KEY, Packets, Stream};
+use super::process::Input;
+use super::tones::{self, Transfer};
+use anyhow::{Result, bail, ensure};
+use std::path::Path;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct Facts {
+    /// Number among the video streams of the one that is read, the one with the most pixels. Cover pictures do not count.
+    pub stream: usize,
+    pub codec: String,
+    /// Unit of the stream's times in seconds, as a fraction.
+    pub base: Option<(u32, u32)>,
+    /// Width and height of a pixel, as a ratio.
+    pub aspect: (u32, u32),
+    /// False if the recording begins between two key frames.
+    pub begins_at_key: bool,
+    /// Count of complaints before the first packet: about other streams, or about what comes before a key frame.
+    pub notes: usize,
+}
+
+/// A video file with its facts.
+#[derive(Debug)]
+pub(crate) struct Video {
+    pub(super) input: Input,
+    pub(super) facts: Facts,
+    transfer: OnceLock<Option<Transfer>>,
+}
+
+impl Video {
+    /// Reads a file up to its first packet; of a Matroska file also the checksums. Errors: no ffmpeg, or the file has no
+    /// video stream.
+    pub fn of(program: &str, file: &Path, patience: Duration) -> Result<Self> {
+        let mut input = Input::new(program, file, patience);
+        // A pipe can be read only once.
+        let facts = if file.is_file() {
+            input.end = matroska::damage(file);
+            Facts::of(&input)?
+        } else {
+            Facts { begins_at_key: true, aspect: (1, 1), ..Facts::default() }
+        };
+        Ok(Self { input, facts, transfer: OnceLock::new() })
+    }
+
+    /// Returns the HDR transfer function; `None` without HDR. The first call decodes a picture.
+    pub(super) fn transfer(&self) -> Option<Transfer> {
+        *self.transfer.get_or_init(|| tones::transfer(&self.input, self.facts.stream).ok().flatten())
+    }
+}
+
+impl Facts {
+    /// Reads a file up to its first packet. Errors: no ffmpeg, or the file has no video stream.
+    pub fn of(input: &Input) -> Result<Self> {
+        let mut packets = Packets::of(input, &[], &["-map", "0:V?", "-frames:v", "1"])?;
+        while let Some(packet) = packets.next()? {
+            let facts = Self::of_largest(&packets);
+            if packet.stream == facts.stream {
+                let (begins_at_key, notes) = (packet.flags & KEY != 0, packets.ffmpeg.complaints);
+                return Ok(Self { begins_at_key, notes, ..facts });
+            }
+        }
+        if packets.streams.is_empty() {
+            return Self::refuse(input, packets);
+        }
+        // The stream has no packet. Decoding then says what is wrong.
+        Ok(Self { begins_at_key: true, ..Self::of_largest(&packets) })
+    }
+
+    fn of_largest(packets: &Packets) -> Self {
+        let pixels = |(_, stream): &(usize, &Stream)| u64::from(stream.size.0) * u64::from(stream.size.1);
+        // `max_by_key` takes the last of equal streams, so the order is reversed.
+        let largest = packets.streams.iter().enumerate().rev().max_by_key(pixels);
+        let Some((stream, stated)) = largest else { return Self::default() };
+        Self { stream, codec: stated.codec.clone(), base: stated.base, aspect: stated.aspect, ..Self::default() }
+    }
+
+    /// Tells a file without pictures, such as a sound recording, from one that ffmpeg cannot read.
+    fn refuse(input: &Input, mut packets: Packets) -> Result<Self> {
+        let mut all = Packets::of(input, &[], &["-map", "0", "-t", "0"])?;
+        while all.next()?.is_some() {}
+        ensure!(all.streams.is_empty(), "{} holds no pictures: expected a video", input.name);
+        bail!("ffmpeg cannot decode {}: {}: {EXPECTED}", input.name, packets.ffmpeg.last_words()?)
+    }
+}
+
+pub(super) const EXPECTED: &str = "expected a whole video, or else pictures, Y4M or a raw dump (--size)";
