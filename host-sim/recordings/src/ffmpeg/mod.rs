@@ -14,6 +14,7 @@ mod packets;
 mod pictures;
 mod process;
 mod reading;
+mod search;
 mod tones;
 
 pub(super) use index::{Index, count};

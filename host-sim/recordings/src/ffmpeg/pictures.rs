@@ -68,9 +68,9 @@ pub(super) enum Part {
         seek: f64,
         time: f64,
     },
-    /// Packets from the first key frame on: another ffmpeg copies them into NUT. Copying joins the times of joined
+    /// At most this many packets from the first key frame on: another ffmpeg copies them into NUT. Copying joins the times of joined
     /// files, and drops packets in front of the first key frame. It loses a rotation that only the container states.
-    Packets,
+    Packets(usize),
 }
 
 /// Number of decoded pictures that are held back until more have been decoded without a doubt: damage can show itself
@@ -105,6 +105,8 @@ pub(crate) struct Pictures {
     zero: i64,
     times: Continued,
     held: VecDeque<Picture>,
+    /// Number of pictures that are held back.
+    holds: usize,
     decoded: usize,
     /// True if the file goes on behind the part that is read, because a checksum is wrong there.
     is_cut: bool,
@@ -113,6 +115,15 @@ pub(crate) struct Pictures {
 
 impl Pictures {
     pub(super) fn start(video: &Video, wanted: Use, part: Part) -> Result<Self> {
+        Self::run(video, wanted, part, false)
+    }
+
+    /// Starts to decode pictures that are known to be right, and later ones that may not be: nothing is a doubt.
+    pub(super) fn lenient(video: &Video, wanted: Use, part: Part) -> Result<Self> {
+        Self::run(video, wanted, part, true)
+    }
+
+    fn run(video: &Video, wanted: Use, part: Part, is_lenient: bool) -> Result<Self> {
         let Video { input, facts, .. } = video;
         let tones = match wanted {
             Use::Color(_) => video.transfer().map(Tones::of),
@@ -131,39 +142,38 @@ impl Pictures {
             Part::From { time, .. } => format!("select='gte(t,{time:.6})',"),
             _ => String::new(),
         };
-        let stream = if part == Part::Packets { 0 } else { facts.stream };
+        let is_copied = matches!(part, Part::Packets(_));
+        let stream = if is_copied { 0 } else { facts.stream };
         // The second output has one row, whose length is the width: a change of size is no secret.
         let graph = format!(
             "[0:V:{stream}]{select}settb={}/{},{MARK},{ASCENDING},{scale}format={format},split[all][b];[b]crop=iw:1:0:0[row]",
             base.0, base.1
         );
+        let strict = if is_lenient { &ONE_THREAD[..] } else { &STRICT };
         let (mut command, copier) = match part {
-            Part::Packets => {
-                let mut copy = input.command(&["-fflags", "+genpts"]);
-                copy.args(["-map", &format!("0:V:{}", facts.stream), "-c", "copy"]);
-                copy.args(["-output_ts_offset", &NUT_OFFSET.to_string(), "-f", "nut", "-"]);
-                let copier = input.run(&mut copy)?;
+            Part::Packets(most) => {
+                let copier = copier(video, most)?;
                 let mut command = process::command(&input.program);
-                command.args(STRICT).args(["-copyts", "-f", "nut", "-i", "-"]).stdin(Stdio::from(copier.pipe()));
+                command.args(strict).args(["-copyts", "-f", "nut", "-i", "-"]).stdin(Stdio::from(copier.pipe()));
                 (command, Some(copier))
             }
-            Part::Whole => (input.command(&[&FROM_ZERO[..], &STRICT].concat()), None),
+            Part::Whole => (input.command(&[&FROM_ZERO[..], strict].concat()), None),
             Part::From { seek, .. } => {
                 let seek = format!("{:.6}", seek.max(0.0));
-                (input.command(&[&FROM_ZERO[..], &STRICT, &["-ss", &seek]].concat()), None)
+                (input.command(&[&FROM_ZERO[..], strict, &["-ss", &seek]].concat()), None)
             }
         };
         command.args(["-filter_complex", &graph, "-map", "[all]", "-map", "[row]", "-noautoscale"]);
         command.args(["-fps_mode", "passthrough", "-enc_time_base", &format!("{}:{}", base.0, base.1)]);
         command.args(["-c:v", "rawvideo", "-threads", "1", "-f", "nut", "-"]);
         let decoder = input.run(&mut command)?;
-        let allowed = match (facts.codec.as_str(), part) {
-            ("mjpeg", _) => usize::MAX,
-            (_, Part::Packets) => 0,
+        let allowed = match facts.codec.as_str() {
+            "mjpeg" => usize::MAX,
+            _ if is_lenient => usize::MAX,
+            _ if is_copied => 0,
             _ => facts.notes,
         };
-        let zero =
-            if part == Part::Packets { i64::from(NUT_OFFSET) * i64::from(base.1) / i64::from(base.0) } else { 0 };
+        let zero = if is_copied { i64::from(NUT_OFFSET) * i64::from(base.1) / i64::from(base.0) } else { 0 };
         Ok(Self {
             nut: Nut::new(decoder.output()),
             decoder,
@@ -176,8 +186,9 @@ impl Pictures {
             zero,
             times: Continued::default(),
             held: VecDeque::new(),
+            holds: if is_lenient { 0 } else { HELD },
             decoded: 0,
-            is_cut: input.end.is_some(),
+            is_cut: input.end.is_some() && !matches!(part, Part::Packets(..usize::MAX)),
             end: None,
         })
     }
@@ -185,7 +196,7 @@ impl Pictures {
     /// Returns the next picture, once [`HELD`] later ones or the end of a whole stream have been decoded without a
     /// doubt. After `None`, [`Self::end`] says why there is no other.
     pub fn next(&mut self) -> Result<Option<Picture>> {
-        while self.held.len() <= HELD && self.end.is_none() {
+        while self.held.len() <= self.holds && self.end.is_none() {
             match self.decode()? {
                 Some(picture) => {
                     self.decoded += 1;
@@ -194,7 +205,7 @@ impl Pictures {
                 None => self.end = Some(self.verdict()?),
             }
         }
-        let is_sure = self.held.len() > HELD || self.end == Some(End::Whole);
+        let is_sure = self.held.len() > self.holds || self.end == Some(End::Whole);
         Ok(if is_sure { self.held.pop_front() } else { None })
     }
 
@@ -215,11 +226,6 @@ impl Pictures {
     /// Returns the hash of the next picture that is still held back.
     pub(super) fn first_held(&self) -> Option<u64> {
         self.held.front().map(Picture::hash)
-    }
-
-    /// Takes the next picture that is still held back after a doubt.
-    pub(super) fn held(&mut self) -> Option<Picture> {
-        self.held.pop_front()
     }
 
     fn decode(&mut self) -> Result<Option<Picture>> {
@@ -282,9 +288,21 @@ impl Pictures {
     }
 }
 
+/// Starts an ffmpeg that copies packets into NUT.
+fn copier(Video { input, facts, .. }: &Video, most: usize) -> Result<Ffmpeg> {
+    let mut command = input.command(&["-fflags", "+genpts"]);
+    command.args(["-map", &format!("0:V:{}", facts.stream), "-c", "copy"]);
+    if most < usize::MAX {
+        command.args(["-frames:v", &most.to_string()]);
+    }
+    command.args(["-output_ts_offset", &NUT_OFFSET.to_string(), "-f", "nut", "-"]);
+    input.run(&mut command)
+}
+
 /// ffmpeg options by which a decoder ends at the first error that it notices. With several threads it would fill
 /// damaged areas with other pixels in each run.
 const STRICT: [&str; 5] = ["-xerror", "-err_detect", "explode", "-threads", "1"];
+const ONE_THREAD: [&str; 2] = ["-threads", "1"];
 
 /// Largest step in seconds between the times of successive frames of one video. A larger step is a join of two videos:
 /// where times go back in MPEG-TS, ffmpeg assumes a clock overflow and turns this into a large step forward.

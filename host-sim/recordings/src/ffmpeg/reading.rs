@@ -6,6 +6,7 @@
 use super::facts::{EXPECTED, Video};
 use super::packets::{CORRUPT, DISCARDED, Packets};
 use super::pictures::{End, FROM_ZERO, MAX_TIME_JUMP, Part, Picture, Pictures, Use};
+use super::search;
 use crate::damage::damaged;
 use anyhow::{Context, Error, Result, anyhow};
 use std::path::Path;
@@ -13,6 +14,8 @@ use std::time::Duration;
 
 /// Number of decoded pictures before a doubt that do not count as whole: a wrong picture can come before the complaint.
 const MARGIN: usize = 2;
+
+const ALL_PACKETS: Part = Part::Packets(usize::MAX);
 
 /// Largest number of packets between a packet that is marked as damaged and a join that is the reason for the mark.
 const JOIN: usize = 2;
@@ -51,7 +54,7 @@ pub(crate) fn open(program: &str, file: &Path, wanted: Use, patience: Duration) 
     let cannot_read = || format!("cannot read {name} through ffmpeg");
     let mut reading = Reading::start(Video::of(program, file, patience)?, wanted)?;
     let mut first = reading.next_whole().with_context(cannot_read)?;
-    if reading.part == Part::Packets {
+    if reading.part == ALL_PACKETS {
         if reading.pictures.decoded() > 0 {
             reading.note = Some(format!("{name} begins between two key frames: it is read from the first one on"));
         } else {
@@ -90,7 +93,7 @@ pub(crate) fn sought(video: &Video, time: f64, wanted: Use) -> Option<(Picture, 
 
 impl Reading {
     fn start(video: Video, wanted: Use) -> Result<Self> {
-        let part = if video.facts.begins_at_key { Part::Whole } else { Part::Packets };
+        let part = if video.facts.begins_at_key { Part::Whole } else { ALL_PACKETS };
         Ok(Self {
             note: None,
             pictures: Pictures::start(&video, wanted, part)?,
@@ -116,28 +119,49 @@ impl Reading {
             }
             match self.pictures.end() {
                 Some(End::Doubtful { decoded, words }) => {
-                    let doubt = Doubt { whole: decoded.saturating_sub(MARGIN), words: words.clone() };
+                    let (decoded, words) = (*decoded, words.clone());
                     if self.part == Part::Whole && self.is_whole_by_packets()? {
-                        self.go_on_by_packets()?;
+                        self.go_on(Pictures::start(&self.video, self.wanted, ALL_PACKETS)?)?;
+                        (self.part, self.is_checked) = (ALL_PACKETS, true);
                     } else {
-                        self.doubt = Some(doubt);
+                        self.doubt_after(decoded, words)?;
                     }
                 }
                 // Directly, ffmpeg itself ends at a packet that is marked as damaged.
-                _ if self.part == Part::Packets && !self.is_checked => match self.doubtful_packet()? {
-                    Some(packet) => {
-                        let words = "a packet is damaged".to_owned();
-                        self.doubt = Some(Doubt { whole: packet.saturating_sub(MARGIN), words });
-                    }
+                _ if self.part == ALL_PACKETS && !self.is_checked => match self.doubtful_packet()? {
+                    Some(packet) => self.doubt_after(packet, "a packet is damaged".to_owned())?,
                     None => self.is_checked = true,
                 },
                 _ => return Ok(None),
             }
         }
-        let is_whole = self.doubt.as_ref().is_some_and(|doubt| self.taken < doubt.whole);
-        let picture = if is_whole { self.pictures.held() } else { None };
+        if self.doubt.as_ref().is_none_or(|doubt| self.taken >= doubt.whole) {
+            return Ok(None);
+        }
+        let picture = self.pictures.next()?;
         self.taken += usize::from(picture.is_some());
         Ok(picture)
+    }
+
+    /// Searches the last whole picture, and goes on up to it. Before a doubt, `decoded` pictures were decoded.
+    fn doubt_after(&mut self, decoded: usize, words: String) -> Result<()> {
+        let is_file = self.video.input.file.is_file();
+        let whole = if is_file { search::whole_pictures(&self.video, decoded)? } else { decoded };
+        let whole = whole.saturating_sub(MARGIN);
+        self.doubt = Some(Doubt { whole, words });
+        if self.taken < whole {
+            self.go_on(Pictures::lenient(&self.video, self.wanted, self.part)?)?;
+        }
+        Ok(())
+    }
+
+    /// Goes on with the next picture, decoded in another way.
+    fn go_on(&mut self, pictures: Pictures) -> Result<()> {
+        self.pictures = pictures;
+        for _ in 0..self.taken {
+            self.pictures.next()?;
+        }
+        Ok(())
     }
 
     fn damage(&self, whole: usize, words: &str) -> Error {
@@ -156,22 +180,13 @@ impl Reading {
             return Ok(false);
         }
         let hash = self.hash.or_else(|| self.pictures.first_held());
-        let mut pictures = Pictures::start(&self.video, self.wanted, Part::Packets)?;
+        let mut pictures = Pictures::start(&self.video, self.wanted, ALL_PACKETS)?;
         let first = pictures.next()?;
         if hash.is_some() && first.map(|first| first.hash()) != hash {
             return Ok(false);
         }
         while pictures.next()?.is_some() {}
         Ok(pictures.end() == Some(&End::Whole) && pictures.decoded() >= self.taken)
-    }
-
-    fn go_on_by_packets(&mut self) -> Result<()> {
-        (self.part, self.is_checked) = (Part::Packets, true);
-        self.pictures = Pictures::start(&self.video, self.wanted, self.part)?;
-        for _ in 0..self.taken {
-            self.pictures.next()?;
-        }
-        Ok(())
     }
 
     /// Returns the number of packets before the first doubtful one: one that the container marks as damaged, except at
