@@ -58,9 +58,9 @@ class Station:
             found += [message] if message and message.get_type() == kind else []
         return found
 
-    def ask(self, command, *parameters, to=OWN):
+    def ask(self, command, *parameters, to=OWN, confirmation=0):
         """The result that the camera gives, None if it says nothing. What else it says is in `after`."""
-        self.link.mav.command_long_send(*to, command, 0, *parameters, *[0] * (7 - len(parameters)))
+        self.link.mav.command_long_send(*to, command, confirmation, *parameters, *[0] * (7 - len(parameters)))
         self.camera.poll()
         answers, self.after = [], []
         while self.link.select(0):
@@ -192,6 +192,104 @@ def test_nonsense_is_refused_and_changes_nothing(world):
     one.link.mav.command_int_send(*OWN, 0, TRACK, 0, 0, *parts(RECORDING.start), 0, 0, 0)
     camera.poll()
     assert [answer.result for answer in one.heard("COMMAND_ACK")] == [ACCEPTED] and camera.state == smr.State.TRACKING
+
+
+def test_what_is_sent_again_is_answered_again_and_acts_once(world, capsys):
+    camera, station = world
+    one, other = station(255), station(254)
+    box, second = parts(RECORDING.start), (0.1, 0.1, 0.3, 0.3)
+
+    def acts(sender, command, *parameters, **more):
+        """The result, and whether the camera has done something."""
+        capsys.readouterr()
+        sender.heard(None)
+        result = sender.ask(command, *parameters, **more)
+        return result, capsys.readouterr().err != ""
+
+    # The acknowledgement is lost, and the target has moved on.
+    assert acts(one, TRACK, *box) == (ACCEPTED, True)
+    for frame in FRAMES[1:6]:
+        camera.show(frame)
+    followed = camera.tracker.save()
+    one.heard(STATUS)
+    for confirmation in (1, 2, 255):
+        assert acts(one, TRACK, *box, confirmation=confirmation) == (ACCEPTED, False)
+        assert one.after == [] and camera.tracker.save() == followed
+    # Other commands were sent meanwhile, even a newer one of this kind.
+    assert one.ask(REQUEST, 259) == ACCEPTED
+    assert acts(one, TRACK, *second) == (ACCEPTED, True)
+    assert acts(one, TRACK, *box, confirmation=1) == (ACCEPTED, False)
+    assert acts(one, STOP) == (ACCEPTED, True)
+    assert acts(one, TRACK, *second, confirmation=3) == (ACCEPTED, False) and camera.state is None
+    # A first transmission acts, with equal and with other parameters; so does a confirmation of what never came.
+    assert acts(one, TRACK, *second) == (ACCEPTED, True)
+    assert acts(one, TRACK, *second) == (ACCEPTED, True)
+    assert acts(one, TRACK, 0.2, 0.1, 0.4, 0.3, confirmation=1) == (ACCEPTED, True)
+    assert acts(one, TRACK, 0.2, 0.1, 0.4, 0.3, confirmation=2) == (ACCEPTED, False)
+    assert acts(one, POINT, 0.5, 0.5, 0.1) == (ACCEPTED, True)
+    assert acts(one, POINT, 0.5, 0.5, NAN, confirmation=1) == (ACCEPTED, True)
+    assert acts(one, POINT, 0.5, 0.5, NAN, confirmation=2) == (ACCEPTED, False)
+    # Another sender is another one, also at the same address.
+    assert acts(other, POINT, 0.5, 0.5, 0.1, confirmation=1) == (ACCEPTED, True)
+    one.heard(None)
+    one.link.mav.srcComponent = 191
+    one.link.mav.command_long_send(*OWN, POINT, 1, 0.5, 0.5, 0.1, 0, 0, 0, 0)
+    camera.poll()
+    (answer,) = one.heard("COMMAND_ACK")
+    assert (answer.target_system, answer.target_component, answer.result) == (255, 191, ACCEPTED)
+    assert "following" in capsys.readouterr().err
+    one.link.mav.srcComponent = 190
+    # What was refused is refused again, and said once. A request is answered each time, since its answer may be lost.
+    assert acts(one, TRACK, 0.2, 0.1, 0.1, 0.2) == (DENIED, True)
+    assert acts(one, TRACK, 0.2, 0.1, 0.1, 0.2, confirmation=1) == (DENIED, False)
+    assert one.ask(REQUEST, 259, confirmation=1) == ACCEPTED and one.after[0].get_type() == "CAMERA_INFORMATION"
+    # What was refused for the moment is tried again.
+    frame, camera.frame = camera.frame, None
+    assert acts(one, TRACK, 0.3, 0.1, 0.5, 0.3) == (mavlink.MAV_RESULT_TEMPORARILY_REJECTED, False)
+    camera.frame = frame
+    assert acts(one, TRACK, 0.3, 0.1, 0.5, 0.3, confirmation=1) == (ACCEPTED, True)
+    # An interval that was set anew stays.
+    assert one.ask(INTERVAL, 275, -1) == one.ask(INTERVAL, 275, 0) == one.ask(INTERVAL, 275, -1, confirmation=1) == ACCEPTED
+    assert one.ask(GET, 275) == ACCEPTED and one.after[0].interval_us >= 0
+
+
+def test_a_packet_that_comes_twice_acts_once(world, capsys):
+    camera, station = world
+    one = station(255)
+    commands = (
+        mavlink.MAVLink_command_long_message(*OWN, TRACK, 0, *parts(RECORDING.start), 0, 0, 0),
+        mavlink.MAVLink_command_int_message(*OWN, 0, TRACK, 0, 0, *parts(RECORDING.start), 0, 0, 0),
+    )
+    for command in commands:
+        packet = command.pack(one.link.mav)
+        one.link.write(packet)
+        one.link.write(packet)
+        camera.poll()
+        assert [answer.result for answer in one.heard("COMMAND_ACK")] == [ACCEPTED] * 2
+        assert capsys.readouterr().err.count("following") == 1
+        # Long after, a packet of this number is another one.
+        (receiver,) = camera.receivers.values()
+        receiver.results = {key: (result, packet, -math.inf) for key, (result, packet, _) in receiver.results.items()}
+        one.link.write(packet)
+        camera.poll()
+        assert [answer.result for answer in one.heard("COMMAND_ACK")] == [ACCEPTED]
+        assert capsys.readouterr().err.count("following") == 1
+
+
+def test_the_memory_of_commands_is_bounded(world):
+    camera, station = world
+    one = station(255)
+    for number in range(200):
+        assert one.ask(TRACK, 0.1, 0.1, 0.3 + number / 1000, 0.3) == ACCEPTED
+    (receiver,) = camera.receivers.values()
+    assert len(receiver.results) == program.MOST_COMMANDS
+    for number in range(150):
+        one.link.mav.srcSystem = 1 + number
+        one.link.mav.command_long_send(*OWN, STOP, 0, 0, 0, 0, 0, 0, 0, 0)
+        one.link.mav.srcSystem = 255  # It stays among those that sent last.
+        one.link.mav.command_long_send(*OWN, STOP, 0, 0, 0, 0, 0, 0, 0, 0)
+        camera.poll()
+    assert len(camera.receivers) == program.MOST_RECEIVERS and receiver in camera.receivers.values()
 
 
 def test_the_interval_is_that_which_was_asked_for(world):

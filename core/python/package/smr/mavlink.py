@@ -8,6 +8,7 @@ import itertools
 import math
 import os
 import socket
+import struct
 import sys
 import threading
 import time
@@ -31,7 +32,9 @@ STREAMS = {"rtsp": mavlink.VIDEO_STREAM_TYPE_RTSP, "udp": mavlink.VIDEO_STREAM_T
 RADIUS = 0.05  # What a point gets that comes without one, as a part of the frame's width.
 LEAST_SIDE = 16  # The least side of the box around a point, in pixels: a smaller one shows too little of the target.
 MOST_MESSAGES = 1000  # Taken between two frames, so that a flood of them does not stop the tracker.
-MOST_RECEIVERS = 100  # Whose intervals are kept.
+MOST_RECEIVERS = 100  # Whose intervals and commands are kept.
+MOST_COMMANDS = 8  # Of each receiver, whose results are kept for when it sends them again.
+DOUBLED = 1.0  # Seconds in which the same packet is a copy: a sender counts its packets, in 8 bits.
 HEARTBEAT = 1.0  # In seconds, as MAVLink wants it.
 TICK = 0.01  # The longest wait for a frame, in seconds, before messages are taken.
 PATIENCE = 1.0  # The age of a frame, in seconds, from which the place of its target is no place.
@@ -43,11 +46,31 @@ def say(text):
 
 
 class Receiver:
-    """A MAVLink system and component that has sent a command, and its interval of status messages."""
+    """A MAVLink system and component that has sent a command: its interval of status messages, and the results of its last commands."""
 
     def __init__(self):
         self.interval = 0.0  # Seconds between two messages of the status; infinite for none.
         self.sent = -math.inf
+        self.results = {}  # (result, packet, time) by command and parameters, the newest last.
+
+    def result(self, message):
+        """The result of a command that is sent again because its acknowledgement was lost; None for a new command."""
+        result, packet, came = self.results.get(identity(message), (None, None, -math.inf))
+        is_copy = packet == message.get_msgbuf() and time.monotonic() - came < DOUBLED
+        return result if is_copy or getattr(message, "confirmation", 0) > 0 else None
+
+    def keep(self, message, result):
+        key = identity(message)
+        self.results.pop(key, None)
+        self.results[key] = result, message.get_msgbuf(), time.monotonic()
+        if len(self.results) > MOST_COMMANDS:
+            del self.results[next(iter(self.results))]
+
+
+def identity(message):
+    """The command and the bits of its parameters: a NaN equals itself."""
+    names = ("x", "y", "z") if message.get_type() == "COMMAND_INT" else ("param5", "param6", "param7")
+    return message.command, struct.pack("<7d", *(getattr(message, name) for name in ("param1", "param2", "param3", "param4", *names)))
 
 
 class Addresses(dict):
@@ -104,6 +127,8 @@ class Camera:
             mavlink.MAV_CMD_REQUEST_CAMERA_INFORMATION: lambda *_: self.request(mavlink.MAVLINK_MSG_ID_CAMERA_INFORMATION, 0),
             mavlink.MAV_CMD_REQUEST_VIDEO_STREAM_INFORMATION: lambda number, *_: self.request(mavlink.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, number),
         }
+        # These are performed once, however often they are sent again. A request is answered each time.
+        self.once = (self.track_rectangle, self.track_point, self.stop, self.set_interval)
         self.connect(connection)
 
     def connect(self, connection):
@@ -150,27 +175,36 @@ class Camera:
         to = (message.target_system, message.target_component)
         if to[0] not in (0, own.srcSystem) or to[1] not in (0, own.srcComponent):  # 0 is for all.
             return
-        act, parameters = self.commands.get(message.command), (message.param1, message.param2, message.param3, message.param4)
         sender = message.get_srcSystem(), message.get_srcComponent()
-        self.receiver = self.receivers.setdefault((self.addresses.newest, *sender), Receiver())
+        key = (self.addresses.newest, *sender)
+        self.receiver = self.receivers[key] = self.receivers.pop(key, None) or Receiver()  # The last one is the newest.
         if len(self.receivers) > MOST_RECEIVERS:
             del self.receivers[next(iter(self.receivers))]
-        result, after = mavlink.MAV_RESULT_UNSUPPORTED, None
-        if act and self.frame is None and act not in (self.stop, self.set_interval):
-            result = mavlink.MAV_RESULT_TEMPORARILY_REJECTED
-        elif act:
-            try:
-                result, after = mavlink.MAV_RESULT_ACCEPTED, act(*parameters)
-            except NotImplementedError:
-                result = mavlink.MAV_RESULT_UNSUPPORTED
-            except ValueError as error:
-                result = mavlink.MAV_RESULT_DENIED
-                say(f"denied to {sender[0]}/{sender[1]}: {error}")
+        result, after = self.receiver.result(message), None
+        if result is None:
+            result, after = self.performed(message, sender)
+            if self.commands.get(message.command) in self.once and result != mavlink.MAV_RESULT_TEMPORARILY_REJECTED:
+                self.receiver.keep(message, result)
         if result == mavlink.MAV_RESULT_UNSUPPORTED and 0 in to:
             return  # Another component may do what was asked of all.
         own.command_ack_send(message.command, result, 0, 0, *sender)
         if after:  # The answer comes after its acknowledgement.
             after()
+
+    def performed(self, message, sender):
+        """Performs a command. Returns its result, and the function that sends the answer if there is one."""
+        act = self.commands.get(message.command)
+        if not act:
+            return mavlink.MAV_RESULT_UNSUPPORTED, None
+        if self.frame is None and act not in (self.stop, self.set_interval):
+            return mavlink.MAV_RESULT_TEMPORARILY_REJECTED, None
+        try:
+            return mavlink.MAV_RESULT_ACCEPTED, act(message.param1, message.param2, message.param3, message.param4)
+        except NotImplementedError:
+            return mavlink.MAV_RESULT_UNSUPPORTED, None
+        except ValueError as error:
+            say(f"denied to {sender[0]}/{sender[1]}: {error}")
+            return mavlink.MAV_RESULT_DENIED, None
 
     def track_rectangle(self, left, top, right, bottom):
         corners = (left, top, right, bottom)
