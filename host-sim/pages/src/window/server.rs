@@ -3,10 +3,11 @@
 //! Any page that the user has open can send requests to a port of this machine. So a request is answered only if
 //!
 //! - its path begins with the token, 128 random bits that are part of the address printed by host-sim;
-//! - its `Host` is this server (a foreign page whose domain resolves to 127.0.0.1 sends its own domain);
-//! - its `Origin`, if it has one, is this server.
+//! - its `Host` is a loopback name (a foreign page whose domain resolves to 127.0.0.1 sends its own domain);
+//! - its `Origin`, if it has one, is a page of a loopback name.
 //!
-//! Any other request gets an empty 403 and its connection is closed. Headers and bodies are limited in size and time,
+//! The port in `Host` and `Origin` may be any: `ssh -L 8888:127.0.0.1:PORT` gives the page another one. Any other
+//! request gets a 403 that says why, and its connection is closed. Headers and bodies are limited in size and time,
 //! and a client that reads nothing of its reply is disconnected. When too many connections have not shown the token, a
 //! new one closes the oldest, so that they cannot keep out the user.
 
@@ -35,6 +36,9 @@ const PATIENCE: Duration = Duration::from_secs(10);
 const READING: u32 = 3;
 /// Largest size of a request's body in bytes, enough for a file with the boxes of a long recording.
 const MOST_BYTES: usize = 16 << 20;
+
+/// Names of this machine in `Host` and `Origin`.
+const LOOPBACK: [&str; 3] = ["127.0.0.1", "localhost", "[::1]"];
 
 /// Headers of every reply: a browser must not keep it, show it in another page, or let another page read it.
 const HEADERS: [(&str, &str); 6] = [
@@ -158,10 +162,13 @@ impl Door {
     }
 
     async fn answered(self: Arc<Self>, id: u64, request: hyper::Request<Incoming>) -> Response<Full<Bytes>> {
-        let Some(path) = self.entered(&request) else {
-            let mut refused = reply(Reply::error(403, ""));
-            refused.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
-            return refused;
+        let path = match self.entered(&request) {
+            Ok(path) => path,
+            Err(why) => {
+                let mut refused = reply(Reply::error(403, &why));
+                refused.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
+                return refused;
+            }
         };
         self.strangers().remove(&id);
         let posts = match *request.method() {
@@ -183,17 +190,45 @@ impl Door {
         reply(done.unwrap_or_else(|_| Reply::error(500, "host-sim failed here: please report it")))
     }
 
-    /// Returns the part of the request's path after `/TOKEN/`; `None` if the request is refused.
-    fn entered(&self, request: &hyper::Request<Incoming>) -> Option<String> {
+    /// Returns the part of the request's path after `/TOKEN/`, or the reason why the request is refused.
+    fn entered(&self, request: &hyper::Request<Incoming>) -> Result<String, String> {
         let Server { port, token, .. } = &self.server;
-        let path = request.uri().path().strip_prefix('/')?.strip_prefix(token.as_str())?.strip_prefix('/')?;
-        let header = |name| request.headers().get_all(name).iter().map(HeaderValue::as_bytes).collect::<Vec<_>>();
-        let names = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
-        let hosts = header(HOST);
-        let is_here = |host: &[u8]| names.iter().any(|name| name.as_bytes() == host);
-        let is_own = |origin: &&[u8]| origin.strip_prefix(b"http://").is_some_and(is_here);
-        (hosts.len() == 1 && is_here(hosts[0]) && header(ORIGIN).iter().all(is_own)).then(|| path.to_owned())
+        let rest = request.uri().path().strip_prefix('/').and_then(|path| path.strip_prefix(token.as_str()));
+        let path = rest.and_then(|rest| rest.strip_prefix('/')).ok_or_else(|| {
+            "this address does not have the token of this host-sim: open the whole address that host-sim printed, with \
+             the 32 letters and digits behind the port and the / at its end"
+                .to_owned()
+        })?;
+        let header =
+            |name| request.headers().get_all(name).iter().map(|value| value.to_str().unwrap_or("another name"));
+        let hosts: Vec<&str> = header(HOST).collect();
+        if !matches!(hosts[..], [host] if is_loopback(host)) {
+            return Err(format!(
+                "host-sim answers at 127.0.0.1 and localhost only, not at {}: forward the port, as by ssh -L \
+                 {port}:127.0.0.1:{port}, and open http://localhost:{port}/ with the token of the printed address",
+                hosts.first().unwrap_or(&"no name")
+            ));
+        }
+        let is_own = |origin: &&str| origin.strip_prefix("http://").is_some_and(is_loopback);
+        header(ORIGIN).find(|origin| !is_own(origin)).map_or_else(
+            || Ok(path.to_owned()),
+            |other| {
+                Err(format!(
+                    "host-sim answers its own page only, not a page of {other}: open the address that it printed"
+                ))
+            },
+        )
     }
+}
+
+/// True if `authority` is a loopback name, with or without a port.
+fn is_loopback(authority: &str) -> bool {
+    let port = LOOPBACK.iter().find_map(|name| {
+        let (host, port) = authority.split_at_checked(name.len())?;
+        host.eq_ignore_ascii_case(name).then_some(port)
+    });
+    let is_number = |port: &str| port.parse::<u16>().is_ok() && port.bytes().all(|digit| digit.is_ascii_digit());
+    port.is_some_and(|port| port.is_empty() || port.strip_prefix(':').is_some_and(is_number))
 }
 
 fn reply(Reply { status, kind, body, file }: Reply) -> Response<Full<Bytes>> {
@@ -245,38 +280,91 @@ mod tests {
     }
 
     #[test]
-    fn who_has_no_token_or_comes_from_elsewhere_gets_nothing() {
+    fn a_forwarded_port_may_have_any_number() {
+        let (address, token) = served();
+        let get = |host: &str, more: &str| {
+            asked(
+                address,
+                &format!("GET /{token}/frames/7.jpg HTTP/1.1\r\nHost: {host}\r\n{more}Connection: close\r\n\r\n"),
+            )
+        };
+        let own = address.port().to_string();
+        for port in [own.as_str(), "8888", "80", "1", "65535"] {
+            for name in ["127.0.0.1", "localhost", "LocalHost", "[::1]"] {
+                let here = format!("{name}:{port}");
+                for more in
+                    [String::new(), format!("Origin: http://{here}\r\n"), format!("Origin: http://localhost:{own}\r\n")]
+                {
+                    let said = get(&here, &more);
+                    assert!(
+                        said.starts_with("HTTP/1.1 200") && said.ends_with("[frames/7.jpg]0"),
+                        "{here} {more}: {said}"
+                    );
+                }
+            }
+        }
+        let fine = get("localhost", "Origin: http://localhost\r\n");
+        assert!(fine.starts_with("HTTP/1.1 200"), "port 80 is not written: {fine}");
+        assert!(fine.contains("frame-ancestors 'none'") && fine.contains("cross-origin-resource-policy: same-origin"));
+    }
+
+    #[test]
+    fn who_has_no_token_or_comes_from_elsewhere_learns_only_why() {
         let (address, token) = served();
         let port = address.port();
         let here = format!("127.0.0.1:{port}");
-        let get = |path: &str, host: &str, more: &str| {
-            asked(address, &format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n{more}Connection: close\r\n\r\n"))
-        };
         let good = format!("/{token}/frames/7.jpg");
-        let fine = get(&good, &here, "");
-        assert!(fine.starts_with("HTTP/1.1 200") && fine.ends_with("[frames/7.jpg]0"), "{fine}");
-        assert!(fine.contains("frame-ancestors 'none'") && fine.contains("cross-origin-resource-policy: same-origin"));
-        assert!(
-            get(&good, &format!("localhost:{port}"), &format!("Origin: http://{here}\r\n")).starts_with("HTTP/1.1 200")
-        );
         let wrong = format!("/{}/frames/7.jpg", "0".repeat(32));
-        for (path, host, more) in [
-            (wrong.as_str(), here.as_str(), ""),
-            ("/", &here, ""),
-            ("/../../etc/passwd", &here, ""),
-            (&good[..20], &here, ""),
-            (&good, "evil.example", ""),
-            (&good, &format!("evil.example:{port}"), ""),
-            (&good, "127.0.0.1", ""),
-            (&good, &here, "Host: evil.example\r\n"),
-            (&good, &here, "Origin: http://evil.example\r\n"),
-            (&good, &here, "Origin: null\r\n"),
-            (&good, &here, &format!("Origin: https://{here}\r\n")),
-        ] {
-            let said = get(path, host, more);
-            let refused = said.starts_with("HTTP/1.1 403") || said.starts_with("HTTP/1.1 400");
-            assert!(refused && !said.contains("[frames"), "{path} {host} {more}: {said}");
+        let longer = format!("/{token}0/frames/7.jpg");
+        let not_first = format!("/x/{token}/frames/7.jpg");
+        let in_query = format!("/frames/7.jpg?{token}/");
+        let (no_token, no_host, no_page) =
+            ("does not have the token", "at 127.0.0.1 and localhost only", "its own page only");
+        let paths = [
+            "/",
+            "/../../etc/passwd",
+            "/favicon.ico",
+            &good[..20],
+            &good[..=32],
+            &wrong,
+            &longer,
+            &not_first,
+            &in_query,
+        ];
+        let tokens = paths.map(|path| (path, here.clone(), String::new(), no_token));
+        let hosts = [
+            "evil.example".to_owned(),
+            format!("evil.example:{port}"),
+            format!("127.0.0.1.evil.example:{port}"),
+            format!("localhost.evil.example:{port}"),
+            format!("evil.example@localhost:{port}"),
+            format!("localhost:{port}@evil.example"),
+            "localhost:".to_owned(),
+            "localhost:+80".to_owned(),
+            "localhost:65536".to_owned(),
+            "127.0.0.2".to_owned(),
+            "0.0.0.0".to_owned(),
+            "[::2]".to_owned(),
+            "::1".to_owned(),
+            "\u{e9}.example".to_owned(),
+        ];
+        let hosts = hosts.map(|host| (good.as_str(), host, String::new(), no_host));
+        let two = [(good.as_str(), here.clone(), "Host: evil.example\r\n".to_owned(), no_host)];
+        let origins =
+            ["http://evil.example", "null", "", "https://localhost:8888", "http://localhost.evil.example", "file://"];
+        let origins = origins.map(|origin| (good.as_str(), here.clone(), format!("Origin: {origin}\r\n"), no_page));
+        let all = tokens.into_iter().chain(hosts).chain(two).chain(origins);
+        for ((path, host, more, why), method) in
+            all.flat_map(|one| ["GET", "POST", "OPTIONS"].map(|method| (one.clone(), method)))
+        {
+            let said =
+                asked(address, &format!("{method} {path} HTTP/1.1\r\nHost: {host}\r\n{more}Connection: close\r\n\r\n"));
+            let (head, body) = said.split_once("\r\n\r\n").unwrap();
+            assert!(head.starts_with("HTTP/1.1 403") && body.contains(why), "{method} {path} {host} {more}: {said}");
+            assert!(!body.contains(&token) && !body.contains("[frames") && !head.contains("access-control"), "{said}");
         }
+        let said = asked(address, &format!("GET {good} HTTP/1.1\r\nConnection: close\r\n\r\n"));
+        assert!(said.starts_with("HTTP/1.1 403") && said.contains("not at no name"), "{said}");
     }
 
     #[test]
