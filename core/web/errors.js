@@ -28,6 +28,41 @@ export function whole(value, least, most, name) {
   return value;
 }
 
+const GENUINE = new WeakSet();
+
+/** Records that `object` is no Proxy; for constructors. */
+export function genuine(object) {
+  GENUINE.add(object);
+}
+
+/**
+ * Makes the methods and getters of a class, called `name` in messages, refuse a Proxy: it has no private fields, and the
+ * engine's message does not say what to do. The tag keeps Vue from making a Proxy by itself.
+ */
+export function refuseProxies(of, name) {
+  const members = Reflect.ownKeys(of.prototype).filter((key) => key !== "constructor");
+  for (const key of members) {
+    const described = Object.getOwnPropertyDescriptor(of.prototype, key);
+    for (const kind of ["value", "get"].filter((kind) => described[kind] !== undefined)) {
+      const call = described[kind];
+      described[kind] = function (...values) {
+        if (!GENUINE.has(this)) {
+          throw new TypeError(refusal(this instanceof of, name, kind === "get" ? key : `${String(key)}()`));
+        }
+        return call.apply(this, values);
+      };
+    }
+    Object.defineProperty(of.prototype, key, described);
+  }
+  Object.defineProperty(of.prototype, Symbol.toStringTag, { value: `Smr ${name}`, configurable: true });
+}
+
+function refusal(isProxy, name, member) {
+  return isProxy
+    ? `${member} needs the ${name} itself, not a Proxy of it: keep the ${name} in a shallowRef or by markRaw (Vue), or outside of the reactive state`
+    : `${member} needs its ${name}: call it as a method, as in ${name}.${member}`;
+}
+
 export function object(value, name, expected) {
   if (typeof value !== "object" || value === null) {
     throw new TypeError(`${name} must be ${expected}, not ${named(value)}`);

@@ -10,4 +10,5 @@ export declare class Recorder {
   bytes(): Uint8Array;
   /** Records no longer. Other recorders of the tracker go on. */
   stop(): void;
+  readonly [Symbol.toStringTag]: string;
 }

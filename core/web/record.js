@@ -2,7 +2,7 @@
 // The library writes the record (smr_record in smr.h) in segments. Each segment begins with the configuration and the
 // saved target, so that older ones can be dropped.
 
-import { whole } from "./errors.js";
+import { genuine, refuseProxies, whole } from "./errors.js";
 
 const DEFAULT_BYTES = 16 << 20;
 
@@ -14,6 +14,7 @@ export class Recorder {
 
   /** Records `tracker` from now on, in about `bytes` of memory; older frames are dropped. */
   constructor(tracker, { bytes = DEFAULT_BYTES } = {}) {
+    genuine(this);
     this.#tracker = tracker;
     this.#most = whole(bytes, 1, Number.MAX_SAFE_INTEGER, "bytes") / 2;
     tracker.record(this.#take);
@@ -42,3 +43,4 @@ export class Recorder {
     }
   };
 }
+refuseProxies(Recorder, "recorder");

@@ -137,7 +137,7 @@ export declare class SmrError extends Error {
   constructor(status: string, words?: string);
 }
 
-/** Follows one target. A call that throws changes nothing. */
+/** Follows one target. A call that throws changes nothing. A Proxy of it (reactive state) throws a TypeError that says what to do. */
 export declare class Tracker<Options = PaperOptions | RobustOptions> {
   private constructor();
   readonly method: "paper" | "robust";
@@ -178,6 +178,7 @@ export declare class Tracker<Options = PaperOptions | RobustOptions> {
   free(): void;
   /** The same, for `using`. */
   [Symbol.dispose](): void;
+  readonly [Symbol.toStringTag]: string;
 }
 
 /** One instance of the library, with a memory of its own. */
@@ -193,6 +194,7 @@ export declare class Smr {
   paper(options?: PaperOptions): Tracker<PaperOptions>;
   /** A robust tracker. */
   robust(options?: RobustOptions): Tracker<RobustOptions>;
+  readonly [Symbol.toStringTag]: string;
 }
 
 /** A target with a lower quality may slip along its own texture unnoticed. */
@@ -201,5 +203,5 @@ export declare const POOR_QUALITY: number;
 /** True if the engine has SIMD128. */
 export declare function hasSimd(): boolean;
 
-/** The library. By default the file beside smr.js that is faster here. */
+/** The library. By default the file beside smr.js that is faster here; code without an address, such as a worker made of a blob, must give one. */
 export declare function load(source?: WebAssembly.Module | ArrayBuffer | ArrayBufferView | Response | string | URL): Promise<Smr>;

@@ -1,7 +1,7 @@
 // The trackers of smr in JavaScript: a wrapper of the C interface (smr.h), compiled to WebAssembly. See README.md.
 
 import { CONFIG, SETTING, checkOptions, useOptions } from "./config.js";
-import { SmrError, bytesOf, kindOf, named, otherSetting, whole } from "./errors.js";
+import { SmrError, bytesOf, genuine, kindOf, named, otherSetting, refuseProxies, whole } from "./errors.js";
 import { copyWindow, frameOf } from "./frame.js";
 import { array, flag, i32, struct, u16, u32, u8 } from "./layout.js";
 import { Memory } from "./memory.js";
@@ -63,8 +63,9 @@ const MOST_I32 = 2 ** 31 - 1;
 // Largest saved target of any build, in bytes: SMR_PAPER_SAVED_SIZE with the largest SMR_PIXELS.
 const MOST_SAVED = 65537 + 94;
 const NODE_FILES = ["node:fs", "promises"];
-// Address of the enclosing script, if a bundler has turned this module into a classic script.
+// Address of the enclosing script, if a bundler has turned this module into a classic script; empty for one in the page.
 const SCRIPT = globalThis.document?.currentScript?.src;
+const WHAT_TO_GIVE = "give load() the bytes or the address of smr.wasm";
 
 // A module with one instruction of SIMD128, which is invalid for an engine without SIMD128.
 const SIMD_PROBE = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11];
@@ -83,15 +84,26 @@ export async function load(source) {
 const rounded = (box) => Object.fromEntries(Object.keys(RECT.fields).map((side) => [side, typeof box?.[side] === "number" ? Math.round(box[side]) : box?.[side]]));
 const pixelsOf = (windows) => windows.reduce((sum, { width, height }) => sum + width * height, 0);
 
+// Nothing lies beside the code of a blob, of a data: URL or in a page: such an address is no base of another one.
 function ownModule() {
-  if (import.meta.url !== undefined) {
-    // Each URL is a literal, because bundlers search for `new URL("...")` and cannot evaluate a condition in it.
-    return hasSimd() ? new URL("./smr-simd.wasm", import.meta.url) : new URL("./smr.wasm", import.meta.url);
+  try {
+    if (import.meta.url !== undefined) {
+      // Each URL is a literal, because bundlers search for `new URL("...")` and cannot evaluate a condition in it.
+      return hasSimd() ? new URL("./smr-simd.wasm", import.meta.url) : new URL("./smr.wasm", import.meta.url);
+    }
+    return new URL(hasSimd() ? "smr-simd.wasm" : "smr.wasm", SCRIPT);
+  } catch {
+    throw new TypeError(`this code does not know an address beside which smr.wasm lies: ${WHAT_TO_GIVE}`);
   }
-  if (SCRIPT === undefined) {
-    throw new TypeError("this bundle is no ES module, and does not know its address: give load() the bytes or the address of smr.wasm");
+}
+
+// A worker made of a blob, for example, has no base for a relative address.
+function absolute(address) {
+  try {
+    return new URL(address, globalThis.document?.baseURI ?? globalThis.location?.href).href;
+  } catch {
+    throw new TypeError(`${address} is a relative address, which leads nowhere from here: expected one like https://example.org/smr.wasm`);
   }
-  return new URL(hasSimd() ? "smr-simd.wasm" : "smr.wasm", SCRIPT);
 }
 
 async function moduleOf(source) {
@@ -119,7 +131,7 @@ async function fetched(address) {
     const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ NODE_FILES.join("/"));
     return readFile(address.startsWith("file:") ? new URL(address) : address);
   }
-  return responded(await fetch(address));
+  return responded(await fetch(absolute(address)));
 }
 
 async function responded(response) {
@@ -141,6 +153,7 @@ export class Smr {
   #library;
 
   constructor(instance) {
+    genuine(this);
     this.#library = new Library(instance.exports);
     this.simd = instance.exports.smr_simd() !== 0;
   }
@@ -166,6 +179,7 @@ export class Smr {
     return new Tracker(this.#library, "robust", preset, numbers);
   }
 }
+refuseProxies(Smr, "library");
 
 // Calls and memory of the WebAssembly module, shared by all trackers of an instance.
 class Library {
@@ -251,6 +265,7 @@ export class Tracker {
     if (!(library instanceof Library)) {
       throw new TypeError("make a tracker with paper() or robust() of what load() returns");
     }
+    genuine(this);
     this.#library = library;
     this.method = method;
     this.preset = preset;
@@ -554,3 +569,4 @@ export class Tracker {
     };
   }
 }
+refuseProxies(Tracker, "tracker");

@@ -54,14 +54,14 @@ after(async () => {
 const bundler = (name) => import(pathToFileURL(createRequire(join(process.env.SMR_BUNDLERS, "package.json")).resolve(name)));
 
 /** Opens the app at an address and checks its answer. */
-async function answers(address) {
+async function answers(address, answer = expected) {
   const page = await browser.page(address);
-  assert.equal(await page.until("document.title"), expected);
+  assert.equal(await page.until("document.title"), answer);
   await page.close();
 }
 
 /** Serves the app in a folder over HTTP and checks its answer. */
-async function built(folder) {
+async function built(folder, answer) {
   const server = createHttp((request, response) => {
     try {
       const path = join(folder, new URL(request.url, "http://localhost").pathname.replace(/\/$/, "/index.html"));
@@ -71,14 +71,14 @@ async function built(folder) {
     }
   });
   await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
-  await answers(`http://127.0.0.1:${server.address().port}/`).finally(() => server.close());
+  await answers(`http://127.0.0.1:${server.address().port}/`, answer).finally(() => server.close());
 }
 
 /** Checks an app whose bundler leaves out the .wasm files: copies them beside the script, as the README describes. */
-async function besideModules(folder, page = PAGE) {
+async function besideModules(folder, page = PAGE, answer = expected) {
   writeFileSync(join(folder, "index.html"), page);
   ["smr.wasm", "smr-simd.wasm"].forEach((name) => copyFileSync(join(PACKAGE, name), join(folder, name)));
-  await built(folder);
+  await built(folder, answer);
 }
 
 const BUNDLERS = {
@@ -126,3 +126,46 @@ for (const [name, follow] of Object.entries(BUNDLERS)) {
     await follow(folder);
   });
 }
+
+const WORKER = `
+import { load } from "smr-tracker";
+const said = (error) => error.name + ": " + error.message;
+onmessage = ({ data }) => load(...data).then((smr) => smr.version, said).then(postMessage);
+`;
+const WORKERS_PAGE = `<!doctype html><title></title><script type="module">
+const results = [];
+for (const [file, type] of [["module.js", "module"], ["classic.js", "classic"]]) {
+  const blob = new Blob([await (await fetch(file)).text()], { type: "text/javascript" });
+  for (const given of [[], ["smr.wasm"], [new URL("smr.wasm", location).href], [await (await fetch("smr.wasm")).arrayBuffer()]]) {
+    const worker = new Worker(URL.createObjectURL(blob), { type });
+    worker.postMessage(given);
+    results.push(await new Promise((heard) => { worker.onmessage = (event) => heard(event.data); worker.onerror = (event) => heard("error " + event.message); }));
+    worker.terminate();
+  }
+}
+document.title = JSON.stringify(results);
+</script>`;
+
+test("a worker made of a blob says what load() needs, and takes it", { skip: why ?? false }, async () => {
+  const folder = join(app, "workers");
+  const { build } = await bundler("esbuild");
+  writeFileSync(join(app, "worker.js"), WORKER);
+  for (const [name, format] of [["module", "esm"], ["classic", "iife"]]) {
+    await build({ absWorkingDir: app, entryPoints: ["worker.js"], bundle: true, minify: true, format, outfile: join(folder, `${name}.js`), logLevel: "silent" });
+  }
+  const { version } = await load(readFileSync(join(PACKAGE, "smr.wasm")));
+  const unknown = "TypeError: this code does not know an address beside which smr.wasm lies: give load() the bytes or the address of smr.wasm";
+  const relative = "TypeError: smr.wasm is a relative address, which leads nowhere from here: expected one like https://example.org/smr.wasm";
+  const each = [unknown, relative, version, version];
+  await besideModules(folder, WORKERS_PAGE, JSON.stringify([...each, ...each]));
+});
+
+test("Vue keeps a tracker as it is", { skip: process.env.SMR_BUNDLERS ? false : why }, async () => {
+  const { default: { reactive, ref } } = await bundler("@vue/reactivity");
+  const smr = ref(await load(readFileSync(join(PACKAGE, "smr.wasm"))));
+  const [tracker, state] = [ref(smr.value.robust()), reactive({ tracker: smr.value.paper() })];
+  for (const one of [tracker.value, state.tracker]) {
+    one.lock(first, reactive({ ...first.box }));
+    assert.deepEqual(one.update(reactive({ ...second })).box, second.box);
+  }
+});

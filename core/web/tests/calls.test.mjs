@@ -300,3 +300,42 @@ test("every recorder of a tracker records, until it is stopped itself", () => {
   tracker.free();
   recorders[1].stop();
 });
+
+/** Wraps an object as stores do: what it returns is wrapped as well. */
+function deepProxy(of) {
+  const wrapped = (value) => (typeof value === "object" && value !== null ? deepProxy(value) : value);
+  return new Proxy(of, { get: (target, key, receiver) => wrapped(Reflect.get(target, key, receiver)) });
+}
+
+test("every method and getter refuses a Proxy, with what to do, and changes nothing", async () => {
+  const library = await load(readFileSync(join(PACKAGE, "smr.wasm")));
+  const tracker = library.robust();
+  tracker.lock(first, box);
+  const objects = { library, tracker, recorder: new Recorder(tracker) };
+  const values = [first, box];
+  const before = [tracker.save(), objects.recorder.bytes(), library.memory];
+  for (const [name, object] of Object.entries(objects)) {
+    const { constructor } = object;
+    const members = Reflect.ownKeys(constructor.prototype).filter((key) => key !== "constructor" && key !== Symbol.toStringTag);
+    assert.ok(members.length >= 2, name);
+    const words = new RegExp(`^[\\w.()]+ needs the ${name} itself, not a Proxy of it: .*\\bshallowRef\\b.*\\bmarkRaw\\b|^Symbol`);
+    for (const proxy of [new Proxy(object, {}), deepProxy(object), new Proxy(new Proxy(object, {}), {}), Object.create(object)]) {
+      for (const member of members) {
+        const { get } = Object.getOwnPropertyDescriptor(constructor.prototype, member);
+        const call = () => (get ? proxy[member] : proxy[member](...values));
+        assert.throws(call, { name: "TypeError", message: words }, `${name} ${String(member)}`);
+      }
+    }
+    for (const member of members.filter((member) => typeof member === "string")) {
+      const { get, value } = Object.getOwnPropertyDescriptor(constructor.prototype, member);
+      assert.throws(() => (get ?? value).call(undefined, ...values), { name: "TypeError", message: new RegExp(`^${member}.* needs its ${name}: call it as a method`) });
+    }
+    // Vue makes a Proxy of what has the tag of a plain object.
+    assert.notEqual(Object.prototype.toString.call(object), "[object Object]");
+  }
+  assert.throws(() => new Recorder(new Proxy(tracker, {})), { name: "TypeError", message: /the tracker itself/ });
+  assert.deepEqual([tracker.save(), objects.recorder.bytes(), library.memory], before);
+  assert.deepEqual(tracker.update(second).box, second.box);
+  // A box may be a Proxy, and a frame whose bytes are none.
+  tracker.lock(new Proxy({ ...first }, {}), deepProxy(box));
+});

@@ -53,6 +53,20 @@ test("what is no module is refused", async () => {
   await assert.rejects(load(join(PACKAGE, "missing.wasm")), { code: "ENOENT" });
 });
 
+/** Returns the address of a module whose imports are part of it, as in a bundle that a page runs from a blob. */
+function withoutPlace(name) {
+  const text = readFileSync(join(PACKAGE, name), "utf8").replace(/from "\.\/([^"]+)"/g, (_, name) => `from "${withoutPlace(name)}"`);
+  return `data:text/javascript;base64,${Buffer.from(text).toString("base64")}`;
+}
+
+test("code without a place says what load() needs, and takes it", async () => {
+  const { load } = await import(withoutPlace("smr.js"));
+  await assert.rejects(load(), /^TypeError: this code does not know an address beside which smr.wasm lies: give load\(\) the bytes or the address of smr.wasm$/);
+  for (const source of [bytes, `${address}/smr.wasm`, new URL(`${address}/smr.wasm`), pathToFileURL(file)]) {
+    assert.equal((await load(source)).simd, false);
+  }
+});
+
 test("the package has the files that package.json names, and the version of the library", async () => {
   const { exports, version, license, files } = JSON.parse(readFileSync(join(PACKAGE, "package.json")));
   const there = readdirSync(PACKAGE);
