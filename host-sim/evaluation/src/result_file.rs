@@ -17,7 +17,7 @@ impl ResultFile {
     /// Reads the answers for `frames` frames, from the first one of `part` on. Published files may be too short or too
     /// long: missing lines are frames without an answer, extra lines are ignored. An error if the file cannot be read.
     pub fn read(path: &Path, part: Option<FrameRange>, frames: usize) -> Result<Self> {
-        let mut answers = part.unwrap_or(FrameRange::from(1)).of(Form::Tld.read(path)?);
+        let mut answers = part.unwrap_or(FrameRange::ALL).of(Form::Tld.read(path)?);
         let boxes = answers.len();
         let note = (boxes != frames).then(|| format!("{boxes} boxes for {frames} frames: {}", path.display()));
         answers.resize(frames, None);

@@ -1,6 +1,6 @@
 //! Cuts a recording to a range of its frames, with their boxes.
 
-use super::Sequence;
+use super::{FrameNumber, Sequence};
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt;
 use std::str::FromStr;
@@ -14,8 +14,10 @@ pub struct FrameRange {
 }
 
 impl FrameRange {
-    pub const fn from(first: usize) -> Self {
-        Self { first, last: None }
+    pub const ALL: Self = Self { first: 1, last: None };
+
+    pub const fn from(first: FrameNumber) -> Self {
+        Self { first: first.get(), last: None }
     }
 
     /// Renumbers the range so that frame `first` becomes 1; a start or end before that frame becomes 1 too.
@@ -25,8 +27,8 @@ impl FrameRange {
     }
 
     /// Moves the start to frame `first`, if the range starts at frame 1.
-    pub fn begun_at(self, first: usize) -> Self {
-        Self { first: if self.first == 1 { first } else { self.first }, ..self }
+    pub fn begun_at(self, first: FrameNumber) -> Self {
+        Self { first: if self.first == 1 { first.get() } else { self.first }, ..self }
     }
 
     pub const fn first(&self) -> usize {
@@ -55,7 +57,7 @@ impl FromStr for FrameRange {
     fn from_str(text: &str) -> Result<Self> {
         let expected = "expected frames like 20..80, 20.. or ..80; the first is 1";
         let (first, last) = text.split_once("..").context(expected)?;
-        let number = |text: &str| text.parse().ok().filter(|&number: &usize| number > 0).context(expected);
+        let number = |text: &str| text.parse().ok().map(FrameNumber::get).context(expected);
         let first = if first.is_empty() { 1 } else { number(first)? };
         let last = if last.is_empty() { None } else { Some(number(last)?) };
         ensure!(last.is_none_or(|last| last >= first), "{expected}, the smaller one first");
@@ -71,16 +73,11 @@ impl fmt::Display for FrameRange {
 }
 
 impl Sequence {
-    /// Shifts the ground truth so that it starts at frame `first`; earlier frames get no box.
-    pub fn with_truth_from(mut self, first: usize) -> Self {
-        self.truth = self.truth.map(|truth| std::iter::repeat_n(None, first - 1).chain(truth).collect());
-        self
-    }
-
     /// Cuts the recording to `range`. A range from frame 1 keeps the start box; any other range starts from the ground
-    /// truth of its first frame, if there is one. `option` is the command-line option to name in errors.
-    pub fn part(mut self, range: FrameRange, option: &str) -> Self {
-        let truth = self.truth.map(|truth| range.of(truth));
+    /// truth of its first frame, if there is one. The ground truth begins with frame `truth_from`, which is not behind
+    /// the range's first frame. `option` is the command-line option to name in errors.
+    pub fn part(mut self, range: FrameRange, truth_from: usize, option: &str) -> Self {
+        let truth = self.truth.map(|truth| range.counted_from(truth_from).of(truth));
         let init = if range.first == 1 { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
         let length = self.length.map(|length| range.length_of(length));
         let (first, last, mut number) = (range.first, range.last.unwrap_or(usize::MAX), 0);
@@ -125,7 +122,7 @@ mod tests {
     }
 
     fn synthetic_part(text: &str) -> Sequence {
-        synthetic::sequence().part(range(text), "--frames")
+        synthetic::sequence().part(range(text), 1, "--frames")
     }
 
     #[test]

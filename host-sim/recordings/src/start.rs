@@ -1,6 +1,6 @@
 //! Start boxes of targets on the command line: `150,100,40,48`, `car=150,100,40,48@300` or `car=gone@400`.
 
-use super::BoundingBox;
+use super::{BoundingBox, FrameNumber};
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use std::fmt;
 use std::str::FromStr;
@@ -59,7 +59,7 @@ impl Target {
     /// Returns an error if a box lies in a frame beyond the end of the recording.
     pub fn check_frames(targets: &[Self], first: usize, length: Option<usize>) -> Result<()> {
         // A recording without frames is reported elsewhere.
-        let last = length.filter(|&length| length > 0).map_or(usize::MAX, |length| first + length - 1);
+        let last = length.filter(|&length| length > 0).map_or(FrameNumber::MOST, |length| first + length - 1);
         let starts =
             targets.iter().flat_map(|target| target.starts.iter().map(move |(frame, _)| (*frame, &target.name)));
         let Some((frame, name)) = starts.max_by_key(|(frame, _)| *frame).filter(|(frame, _)| *frame > last) else {
@@ -123,8 +123,8 @@ impl FromStr for Start {
 
 fn split_frame(text: &str) -> Result<(&str, Option<usize>)> {
     let Some((before, frame)) = text.split_once('@') else { return Ok((text, None)) };
-    let number = frame.parse().ok().filter(|&number: &usize| number > 0);
-    Ok((before, Some(number.with_context(|| format!("@{frame}: expected the number of a frame; the first is 1"))?)))
+    let number: FrameNumber = frame.parse().map_err(|expected| anyhow!("@{frame}: {expected}"))?;
+    Ok((before, Some(number.get())))
 }
 
 /// Checks the name of a target, which appears in tables, file names and pictures.

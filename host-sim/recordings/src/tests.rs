@@ -548,7 +548,7 @@ mod videos {
         let damage = open_plain(&video).unwrap().frames.find_map(Result::err).unwrap();
         let part = damage.downcast_ref::<Damaged>().and_then(Damaged::whole_part).unwrap();
         assert_eq!(part, format!("..{}", frames.len()));
-        let part = open_plain(&video).unwrap().part(part.parse().unwrap(), "--frames").frames;
+        let part = open_plain(&video).unwrap().part(part.parse().unwrap(), 1, "--frames").frames;
         assert!(part.map(|frame| frame.unwrap().gray).eq(frames), "the frames before it can be read alone");
     }
 

@@ -1,14 +1,15 @@
 //! Options for opening a recording, shared by all commands that read one.
 
 use super::tracker_options::Pair;
-use super::{from, whole};
+use super::whole;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use smr_recordings::output::complain;
 use smr_recordings::{
-    self, FFMPEG_PATIENCE, FrameRange, Levels, OpenOptions, Resize, Sequence, Start, Target, is_live, recordings,
+    self, FFMPEG_PATIENCE, FrameNumber, FrameRange, Levels, OpenOptions, Resize, Sequence, Start, Target, is_live,
+    recordings,
 };
-use std::num::{NonZeroU16, NonZeroUsize};
+use std::num::NonZeroU16;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -38,8 +39,8 @@ pub struct RecordingOptions {
     #[arg(long, value_name = "A..B")]
     frames: Option<FrameRange>,
     /// The frame of the first line of the ground truth; host-sim skips earlier frames
-    #[arg(long, value_name = "FRAME", value_parser = from::<NonZeroUsize>(1))]
-    truth_from: Option<NonZeroUsize>,
+    #[arg(long, value_name = "FRAME")]
+    truth_from: Option<FrameNumber>,
     /// Map these values of 16-bit pictures to black and white, for example 7600..8366 [default: 0..65535, the high byte]
     #[arg(long, value_name = "A..B")]
     levels: Option<Levels>,
@@ -51,13 +52,13 @@ pub struct RecordingOptions {
 impl RecordingOptions {
     /// Frames to read; `None` for all.
     pub fn frames(&self) -> Option<FrameRange> {
-        let Some(first) = self.truth_from.map(NonZeroUsize::get) else { return self.frames };
+        let Some(first) = self.truth_from else { return self.frames };
         Some(self.frames.map_or_else(|| FrameRange::from(first), |frames| frames.begun_at(first)))
     }
 
     /// Range of `--frames`, renumbered so that the first ground-truth box is in frame 1, as in other trackers' results.
     pub fn frames_of_truth(&self) -> Option<FrameRange> {
-        self.frames.map(|frames| frames.counted_from(self.truth_from.map_or(1, NonZeroUsize::get)))
+        self.frames.map(|frames| frames.counted_from(self.truth_from.map_or(1, FrameNumber::get)))
     }
 
     /// Timeout for an ffmpeg that neither reads nor writes.
@@ -112,14 +113,15 @@ impl RecordingOptions {
         );
         let mut sequence = smr_recordings::open(path, &options)?;
         sequence.notes.iter().for_each(|note| complain(&format!("note: {}: {note}", sequence.name)));
-        if let Some(first) = self.truth_from.map(NonZeroUsize::get) {
+        let mut truth_from = 1;
+        if let Some(first) = self.truth_from.map(FrameNumber::get) {
             let name = &sequence.name;
             let has_truth = sequence.truth.is_some();
             ensure!(has_truth, "{name}: --truth-from {first}: there is no ground truth beside the recording");
             let is_later = |part: FrameRange| part.first() >= first && part.last().is_none_or(|last| last >= first);
             let fits = self.frames().is_none_or(is_later);
             ensure!(fits, "{name}: --frames reaches before the ground truth: expected frame {first} or later");
-            sequence = sequence.with_truth_from(first);
+            truth_from = first;
         } else if let Some((part, boxes)) = self.frames.zip(sequence.truth.as_ref().map(Vec::len))
             // If the range starts at frame 1, the ground truth needs no shift, so the slow count of frames is skipped.
             && part.first() != 1
@@ -132,14 +134,14 @@ impl RecordingOptions {
             complain(&format!(
                 "note: {name}: the {boxes} boxes of the ground truth are taken for frames {first} to {last}"
             ));
-            sequence = sequence.with_truth_from(first);
+            truth_from = first;
         }
         if let Some(part) = self.frames() {
             let option = self.frames.map_or("--truth-from".to_owned(), |frames| format!("--frames {frames}"));
             if let Some(length) = sequence.length.filter(|&length| part.first() > length) {
                 bail!("{}: there is no frame {} ({option}): expected 1 to {length}", sequence.name, part.first());
             }
-            sequence = sequence.part(part, &option);
+            sequence = sequence.part(part, truth_from, &option);
         }
         let mut targets = Target::all(&self.init, sequence.first)?;
         Target::check_frames(&targets, sequence.first, sequence.length).with_context(|| sequence.name.clone())?;

@@ -396,7 +396,7 @@ mod tests {
         let start = |frame: usize| (frame, synthetic::truth(frame - 1));
         let target = |name: &str, starts| Target { name: Some(name.to_owned()), starts };
         let targets = || vec![target("a", vec![start(11), (25, None), start(30)]), target("b", vec![start(20)])];
-        let part = || open().part("11..50".parse().unwrap(), "--frames");
+        let part = || open().part("11..50".parse().unwrap(), 1, "--frames");
         let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
         let film = watch(part(), targets(), &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let names: Vec<_> = film.methods.iter().map(|method| method.name.as_str()).collect();

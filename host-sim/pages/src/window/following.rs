@@ -10,7 +10,7 @@ use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::{Quality, Rect};
 use smr_evaluation::{Follower, Origin, Report, Variant};
-use smr_recordings::{BoundingBox, Damaged, Frame, GrayFrame, check_gone, checked_name, messages};
+use smr_recordings::{BoundingBox, Damaged, Frame, FrameNumber, GrayFrame, check_gone, checked_name, messages};
 use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
@@ -225,7 +225,7 @@ impl State {
                     lock.rect().is_none_or(|rect| !rect.is_empty()),
                     "the box of {name} in frame {frame} has no pixels"
                 );
-                let last = self.frames(known).unwrap_or(usize::MAX);
+                let last = self.frames(known).unwrap_or(FrameNumber::MOST);
                 // A session saved while the recording was longer may contain locks behind the present end.
                 let is_known = self.targets.iter().any(|one| one.id == target.id && one.locks.contains(lock));
                 ensure!(is_known || (1..=last).contains(frame), "there is no frame {frame}: expected 1 to {last}");

@@ -12,8 +12,8 @@ use clap::ValueEnum;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 use smr_evaluation::{Report, Variant, name_of};
-use smr_recordings::BoundingBox;
 use smr_recordings::messages::{self, choice_name};
+use smr_recordings::{BoundingBox, FrameNumber};
 use std::str::FromStr;
 use std::sync::Arc;
 use std::thread;
@@ -68,8 +68,11 @@ impl Window {
                 }
             }
         });
-        server
-            .run(move |request| self.routed(&request).unwrap_or_else(|error| Reply::error(400, &messages::of(&error))))
+        server.run(move |request| self.answer(&request))
+    }
+
+    fn answer(&self, request: &Request) -> Reply {
+        self.routed(request).unwrap_or_else(|error| Reply::error(400, &messages::of(&error)))
     }
 
     fn routed(&self, Request { posts, path, query, revision, body }: &Request) -> Result<Reply> {
@@ -86,7 +89,8 @@ impl Window {
             (false, "source", "") => json_reply(&self.source_json()),
             (false, "news", "") => json_reply(&self.news(query)?),
             (false, "answers", "") => {
-                let (target, from, to) = (number(query, "target")?, number(query, "from")?, number(query, "to")?);
+                let (target, from, to) =
+                    (number(query, "target")?, frame_number(query, "from")?, frame_number(query, "to")?);
                 let (rows, to) = self.followed.part(TargetSpan { target, from, to });
                 let rows: Vec<_> = rows.into_iter().map(|(frame, row)| row_json(&(target, frame, row))).collect();
                 json_reply(&json!({ "rows": rows, "to": to }))
@@ -125,7 +129,7 @@ impl Window {
                 json_reply(&json!({}))
             }
             (true, "place", "") => {
-                self.log_message(self.session.shows(field(body, "frame")?));
+                self.log_message(self.session.shows(field::<FrameNumber>(body, "frame")?.get()));
                 json_reply(&json!({}))
             }
             (true, "film", "") => {
@@ -202,7 +206,11 @@ impl Window {
     /// and the page requests the answers from the route `answers`. With `wait=0` it returns at once.
     fn news(&self, query: &str) -> Result<Value> {
         let since = number(query, "since")?;
-        let patience = if value(query, "wait") == Some("0") { Duration::ZERO } else { PATIENCE };
+        let patience = match value(query, "wait") {
+            None => PATIENCE,
+            Some("0") => Duration::ZERO,
+            Some(other) => bail!("wait={other}: expected 0"),
+        };
         let mut heard = self.followed.wait_for_changes(since, patience);
         if !patience.is_zero() && heard.position > since && heard.rows.len() < 100 {
             thread::sleep(GATHERING);
@@ -211,7 +219,7 @@ impl Window {
         let Changes { position, void, changed, rows, messages, made, frames, targets } = heard;
         let (followed, at) = self.followed.reached(self.source.known().frames);
         // JavaScript has no exact integers beyond 2^53.
-        let told = |part: &TargetSpan| json!([part.target, part.from, part.to.min(u32::MAX as usize)]);
+        let told = |part: &TargetSpan| json!([part.target, part.from, part.to.min(FrameNumber::MOST)]);
         let mut news = json!({
             "position": position,
             "rows": rows.iter().map(row_json).collect::<Vec<_>>(),
@@ -247,7 +255,7 @@ impl Window {
     }
 
     fn picture(&self, name: &str) -> Reply {
-        let number = frame(name, ".jpg");
+        let number = self.frame(name, ".jpg");
         if let Some(picture) = number.and_then(|number| self.source.picture(number)) {
             return Reply::new("image/jpeg", picture.to_vec());
         }
@@ -259,10 +267,17 @@ impl Window {
         Reply::error(404, &said)
     }
 
+    /// Parses the name of a picture, such as `7.jpg`; `None` if the source has no such frame.
+    fn frame(&self, name: &str, ending: &str) -> Option<usize> {
+        let number: FrameNumber = name.strip_suffix(ending)?.parse().ok()?;
+        let is_there = |number: &usize| self.known().frames.is_none_or(|frames| *number <= frames);
+        Some(number.get()).filter(is_there)
+    }
+
     fn part(&self, name: &str, query: &str) -> Result<Reply> {
         let numbers = value(query, "part").and_then(|part| part.split(',').map(|number| number.parse().ok()).collect());
         let part = numbers.and_then(|numbers: Vec<i32>| numbers.try_into().ok()).context("expected ?part=X,Y,W,H")?;
-        let Some(color) = frame(name, ".png").and_then(|number| self.source.color(number)) else {
+        let Some(color) = self.frame(name, ".png").and_then(|number| self.source.color(number)) else {
             return Ok(Reply::error(404, "there is no such frame, or only its picture is kept"));
         };
         let bytes = encode::part_png(&color, part)?;
@@ -296,11 +311,6 @@ fn value<'a>(query: &'a str, name: &str) -> Option<&'a str> {
     query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='))
 }
 
-/// Parses the frame number in the name of a picture, such as `7.jpg`.
-fn frame(name: &str, ending: &str) -> Option<usize> {
-    name.strip_suffix(ending)?.parse().ok().filter(|&number| number > 0)
-}
-
 fn decoded(text: &str) -> String {
     let mut parts = text.split('%');
     let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();
@@ -315,6 +325,10 @@ fn decoded(text: &str) -> String {
 fn number<T: FromStr>(query: &str, name: &str) -> Result<T> {
     let text = value(query, name).with_context(|| format!("expected ?{name}=NUMBER"))?;
     text.parse().ok().with_context(|| format!("{name}={text}: expected a number"))
+}
+
+fn frame_number(query: &str, name: &str) -> Result<usize> {
+    number(query, name).map(FrameNumber::get)
 }
 
 /// Returns an answer as JSON for the page:
@@ -338,3 +352,6 @@ fn row_json(&(target, frame, Row { report, shown, .. }): &(u32, usize, Row)) -> 
         evidence.and_then(|evidence| evidence.runner_up_ratio).map(rounded),
     ])
 }
+
+#[cfg(test)]
+mod tests;

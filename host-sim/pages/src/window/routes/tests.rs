@@ -1,0 +1,144 @@
+use super::*;
+use crate::window::Growing;
+use smr_core::robust;
+use smr_evaluation::MethodKind;
+use smr_recordings::{OpenOptions, synthetic};
+use std::path::Path;
+use std::time::Instant;
+
+struct Nothing;
+
+impl Requests for Nothing {
+    fn variant(&self, _: &str, _: &Map<String, Value>) -> Result<Variant> {
+        Ok(variant())
+    }
+
+    fn boxes(&self, _: &Window, format: &str) -> Result<(String, Vec<u8>)> {
+        bail!("{format} is no format")
+    }
+
+    fn made(&self, _: &Window, ending: &str) -> Result<Job> {
+        bail!("{ending} is no ending")
+    }
+
+    fn firmware(&self, _: &Variant) -> String {
+        String::new()
+    }
+}
+
+fn variant() -> Variant {
+    Variant::new(MethodKind::Robust, &robust::Config::robust().into())
+}
+
+fn window() -> Window {
+    let (source, sequence) = Growing::open(Path::new(synthetic::NAME), OpenOptions::default()).unwrap();
+    let source: Arc<dyn Source> = Arc::new(source);
+    Window {
+        name: sequence.name,
+        size: (120, 90),
+        words: synthetic::NAME.to_owned(),
+        films: vec!["mp4"],
+        followed: Arc::new(Followed::new(variant(), Vec::new(), source.as_ref()).unwrap()),
+        source,
+        made: Arc::new(Made::new().unwrap()),
+        requests: Box::new(Nothing),
+        session: Session::open(None, synthetic::NAME).unwrap().0,
+    }
+}
+
+impl Window {
+    fn replied(&self, posts: bool, address: &str, body: &str) -> (u16, String) {
+        let (path, query) = address.split_once('?').unwrap_or((address, ""));
+        let (path, query, body) = (path.to_owned(), query.to_owned(), body.as_bytes().to_vec());
+        let reply = self.answer(&Request { posts, path, query, revision: None, body });
+        (reply.status, String::from_utf8_lossy(&reply.body).into_owned())
+    }
+}
+
+/// Numbers that no picture, position, box or file has, as text.
+const EXTREMES: [&str; 24] = [
+    "",
+    "0",
+    "-0",
+    "-1",
+    "+1",
+    "1e999",
+    "1.5",
+    "NaN",
+    "seven",
+    "1%00",
+    "-9223372036854775809",
+    "-9223372036854775808",
+    "-2147483649",
+    "-2147483648",
+    "65536",
+    "2147483646",
+    "2147483647",
+    "2147483648",
+    "4294967295",
+    "4294967296",
+    "9223372036854775807",
+    "18446744073709551614",
+    "18446744073709551615",
+    "340282366920938463463374607431768211456",
+];
+
+#[test]
+fn numbers_at_the_ends_of_every_type_are_refused_with_words() {
+    let window = window();
+    let (followed, source) = (Arc::clone(&window.followed), Arc::clone(&window.source));
+    let following = thread::spawn(move || followed.run(source.as_ref()));
+    let gets = [
+        "frames/N.jpg",
+        "frames/N.png?part=1,2,3,4",
+        "frames/7.png?part=N,0,8,8",
+        "frames/7.png?part=0,N,8,8",
+        "frames/7.png?part=0,0,N,8",
+        "frames/7.png?part=0,0,8,N",
+        "frames/7.png?part=N,N,N,N",
+        "news?wait=0&since=N",
+        "news?since=0&wait=N",
+        "answers?target=N&from=1&to=9",
+        "answers?target=1&from=N&to=9",
+        "answers?target=1&from=1&to=N",
+        "answers?target=1&from=N&to=N",
+        "made/N",
+    ];
+    let target = |lock: &str| format!("[{{\"id\":1,\"name\":\"a\",\"locks\":[{lock}]}}]");
+    let good = r#"{"frame":3,"box":[36,24,24,28]}"#;
+    let posts = [
+        ("targets", target(r#"{"frame":N,"box":[36,24,24,28]}"#)),
+        ("targets", target(r#"{"frame":3,"box":[N,24,24,28]}"#)),
+        ("targets", target(r#"{"frame":3,"box":[36,N,24,28]}"#)),
+        ("targets", target(r#"{"frame":3,"box":[36,24,N,28]}"#)),
+        ("targets", target(r#"{"frame":3,"box":[36,24,24,N]}"#)),
+        ("targets", target(&format!(r#"{good},{{"frame":N,"box":null}}"#))),
+        ("targets", target(good).replace("\"id\":1", "\"id\":N")),
+        ("place", r#"{"frame":N}"#.to_owned()),
+        ("cancel", r#"{"id":N}"#.to_owned()),
+        ("boxes", "frame,x,y,width,height,state\nN,1,2,3,4,\n".to_owned()),
+        ("boxes", "frame,x,y,width,height,state\n1,1,2,3,4,\nN,1,2,3,4,\n".to_owned()),
+        ("boxes", "frame,x,y,width,height\n1,N,N,N,N\n".to_owned()),
+        ("boxes", "<track label=\"a\"><box frame=\"N\" xtl=\"1\" ytl=\"2\" xbr=\"9\" ybr=\"9\"/></track>".to_owned()),
+        ("boxes", "<track label=\"a\"><box frame=\"1\" xtl=\"N\" ytl=\"N\" xbr=\"N\" ybr=\"9\"/></track>".to_owned()),
+    ];
+    let gets = gets.map(|address| (false, address, String::new()));
+    for (posts, address, body) in gets.into_iter().chain(posts.map(|(address, body)| (true, address, body))) {
+        for number in EXTREMES {
+            let (address, body) = (address.replace('N', number), body.replace('N', number));
+            let begin = Instant::now();
+            let (status, said) = window.replied(posts, &address, &body);
+            assert!([200, 400, 404].contains(&status) && !said.is_empty(), "{address} {body}: {status} {said}");
+            assert!(begin.elapsed() < Duration::from_secs(2), "{address} {body}: {:?}", begin.elapsed());
+            window.replied(false, "news?wait=0&since=0", "");
+        }
+    }
+    for number in EXTREMES.into_iter().filter(|number| *number != "+1") {
+        let expected = (404, "there is no such frame, or it is not kept any more".to_owned());
+        assert_eq!(window.replied(false, &format!("frames/{number}.jpg"), ""), expected, "{number}");
+    }
+    assert_eq!(window.replied(false, &format!("frames/{}.jpg", synthetic::LENGTH), "").0, 200);
+    assert_eq!(window.replied(true, "targets", &target(good)).0, 200, "it still runs");
+    window.followed.stop();
+    following.join().unwrap();
+}
