@@ -2,6 +2,7 @@
 
 mod answer;
 mod frame;
+mod interrupt;
 mod options;
 mod recording;
 mod target;
@@ -11,7 +12,8 @@ mod tracker;
 mod _smr {
     #[pymodule_export]
     use super::{
-        recording::{Recording, measure, recordings, start_beside},
+        interrupt::Stop,
+        recording::{Decoded, Recording, measure, recordings, start_beside},
         tracker::{Paper, Robust, Tracker, follow},
     };
     use crate::options::document;

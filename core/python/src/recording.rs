@@ -2,6 +2,7 @@
 
 use crate::answer::to_python;
 use crate::frame::refused;
+use crate::interrupt::{Interrupted, Stop, check, checked, interruptible};
 use crate::options;
 use crate::target::{Target, each};
 use crate::tracker::{Tracker, bounding_box};
@@ -12,12 +13,13 @@ use pyo3::types::PyDict;
 use smr_core::Target as _;
 use smr_evaluation::robustness::{self, Starts};
 use smr_evaluation::{Configs, Score, TableName, Variant};
-use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, Frame, OpenOptions, Sequence, Source, messages};
-use std::mem::ManuallyDrop;
+use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, Frame, OpenOptions, Sequence, Source, Wanted, messages};
+use std::mem::{self, ManuallyDrop};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 fn open(path: &Path) -> anyhow::Result<Sequence> {
     smr_recordings::open(path, &OpenOptions { takes_live: true, ..OpenOptions::default() })
@@ -39,10 +41,10 @@ impl<T> ProcessLocal<T> {
     }
 
     /// Fails in a process that did not create the value.
-    fn get(&mut self) -> PyResult<&mut T> {
+    fn get(&self) -> PyResult<&T> {
         let other =
             "another process began to read this recording: make a smr.Recording and iterate over it in this one";
-        if self.0 == process::id() { Ok(&mut self.1) } else { Err(PyRuntimeError::new_err(other)) }
+        if self.0 == process::id() { Ok(&self.1) } else { Err(PyRuntimeError::new_err(other)) }
     }
 }
 
@@ -62,7 +64,8 @@ impl<T> Drop for ProcessLocal<T> {
 /// Linux ("/dev/video0" or its number, 0), or an address ("rtsp://camera.local/stream").
 ///
 /// Iterating over it decodes one frame at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3) with
-/// `color=True`. A camera or an address yields its newest frame and drops older ones. After a fork, iterate anew.
+/// `color=True`. A camera or an address yields its newest frame and drops older ones. After a fork, or a Ctrl-C while
+/// a frame was read, iterate anew. `close` of the iterator ends it, also while another thread waits for a frame.
 ///
 /// Videos, cameras and addresses need ffmpeg (not OpenCV) on the PATH. Raises ValueError if the recording cannot be
 /// opened; iterating raises OSError at a damaged frame, or if a camera fails.
@@ -81,14 +84,15 @@ pub struct Recording {
     length: Option<usize>,
     source: Source,
     /// The stream of a live source, which is opened only once: the first iteration takes it.
-    live: Mutex<ProcessLocal<Option<Sequence>>>,
+    live: ProcessLocal<Mutex<Option<Sequence>>>,
 }
 
 impl Recording {
     /// Returns the first `count` frames, decoded. Reads nothing from a live source and returns an empty list for it.
     fn first(&self, py: Python<'_>, count: usize) -> PyResult<Vec<Frame>> {
-        let read = || open(&self.path)?.frames.take(count).collect::<anyhow::Result<_>>();
-        if self.is_live { Ok(Vec::new()) } else { py.detach(read).map_err(refused) }
+        let path = self.path.clone();
+        let read = move || open(&path)?.frames.take(count).collect::<anyhow::Result<_>>();
+        if self.is_live { Ok(Vec::new()) } else { called(py, read)?.map_err(refused) }
     }
 }
 
@@ -105,10 +109,11 @@ impl Recording {
             return Err(PyValueError::new_err("standard input can be read only once: expected a file or a folder"));
         }
         let is_live = smr_recordings::is_live(&path);
-        let mut opened = py.detach(|| open(&path)).map_err(refused)?;
+        let named = path.clone();
+        let mut opened = called(py, move || open(&named))?.map_err(refused)?;
         let (name, start, truth) = (opened.name.clone(), opened.init, opened.truth.take());
         let (length, source) = (opened.length, opened.source.clone());
-        let live = Mutex::new(ProcessLocal::new(is_live.then_some(opened)));
+        let live = ProcessLocal::new(Mutex::new(is_live.then_some(opened)));
         Ok(Self { path, name, is_live, start, truth, color, length, source, live })
     }
 
@@ -126,7 +131,13 @@ impl Recording {
     }
 
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
-        let count = self.length.or_else(|| py.detach(|| self.source.length(FFMPEG_PATIENCE)));
+        let count = match self.length {
+            None => {
+                let source = self.source.clone();
+                called(py, move || source.length(FFMPEG_PATIENCE))?
+            }
+            length => length,
+        };
         count.ok_or_else(|| PyTypeError::new_err(format!("{}: the number of frames is not known", self.name)))
     }
 
@@ -150,14 +161,13 @@ impl Recording {
         self.truth.as_ref().map(|truth| truth.iter().map(|shown| shown.map(four)).collect())
     }
 
-    fn __iter__(&self, py: Python<'_>) -> PyResult<Decoded> {
-        let kept = match self.live.lock() {
-            Ok(mut live) if self.is_live => live.get()?.take(),
-            _ => None,
-        };
-        let in_color = |sequence: Sequence| if self.color { sequence.in_color(FFMPEG_PATIENCE) } else { sequence };
-        let opened = || kept.map_or_else(|| open(&self.path), Ok).map(in_color);
-        Ok(Decoded(Mutex::new(ProcessLocal::new(py.detach(opened).map_err(refused)?))))
+    fn __iter__(&self) -> PyResult<Decoded> {
+        let kept = if self.is_live { self.live.get()?.lock().ok().and_then(|mut live| live.take()) } else { None };
+        let (path, color) = (self.path.clone(), self.color);
+        let in_color = move |sequence: Sequence| if color { sequence.in_color(FFMPEG_PATIENCE) } else { sequence };
+        let opened = move || kept.map_or_else(|| open(&path), Ok).map(in_color);
+        let stream = ProcessLocal::new(Arc::new(Mutex::new(Stream::ToOpen(Box::new(opened)))));
+        Ok(Decoded { stream, wanted: Wanted::default(), is_closed: AtomicBool::new(false) })
     }
 
     /// Scores the boxes of any tracker. Returns the figures of `host-sim eval` as a dict from name to value.
@@ -177,11 +187,43 @@ impl Recording {
     }
 }
 
-#[pyclass(frozen)]
-struct Decoded(Mutex<ProcessLocal<Sequence>>);
+/// Runs a call that may block.
+fn called<T: Send + 'static>(py: Python<'_>, call: impl FnOnce() -> T + Send + 'static) -> PyResult<T> {
+    Ok(interruptible(py, &Wanted::default(), call)?)
+}
 
-/// Returns the shape `[rows, columns, bytes per pixel]` and the bytes of the next frame; `None` after the last frame.
-fn next(sequence: &mut Sequence) -> anyhow::Result<Option<([usize; 3], Vec<u8>)>> {
+/// An iterator over the frames of a `Recording`, from `iter(recording)`.
+#[pyclass(frozen, name = "Frames", module = "smr._smr")]
+pub struct Decoded {
+    stream: ProcessLocal<Arc<Mutex<Stream>>>,
+    wanted: Wanted,
+    is_closed: AtomicBool,
+}
+
+/// The recording of an iterator, which the first call of `next` opens.
+enum Stream {
+    ToOpen(Box<dyn FnOnce() -> anyhow::Result<Sequence> + Send>),
+    Open(Sequence),
+    Closed,
+}
+
+/// Shape `[rows, columns, bytes per pixel]` and bytes of a frame.
+type Bytes = ([usize; 3], Vec<u8>);
+
+impl Stream {
+    /// Returns the next frame; `None` after the last one.
+    fn next(&mut self) -> PyResult<Option<Bytes>> {
+        if matches!(self, Self::ToOpen(_))
+            && let Self::ToOpen(open) = mem::replace(self, Self::Closed)
+        {
+            *self = Self::Open(open().map_err(refused)?);
+        }
+        let Self::Open(sequence) = self else { return Ok(None) };
+        next(sequence).map_err(|error| PyOSError::new_err(messages::of(&error)))
+    }
+}
+
+fn next(sequence: &mut Sequence) -> anyhow::Result<Option<Bytes>> {
     let Some(frame) = sequence.frames.next().transpose()? else {
         let ended = sequence.source.live().and_then(|live| live.ended());
         return ended.map_or(Ok(None), |reason| Err(anyhow::anyhow!(reason)));
@@ -192,6 +234,15 @@ fn next(sequence: &mut Sequence) -> anyhow::Result<Option<([usize; 3], Vec<u8>)>
     Ok(Some(([rows, columns, 3], bytes)))
 }
 
+impl Decoded {
+    /// Ends the recording's ffmpeg, unless a call is reading, which then does so.
+    fn close_stream(&self, py: Python<'_>) -> PyResult<()> {
+        let stream = self.stream.get()?;
+        py.detach(|| stream.try_lock().map(|mut stream| *stream = Stream::Closed).ok());
+        Ok(())
+    }
+}
+
 #[pymethods]
 impl Decoded {
     fn __iter__(slf: Py<Self>) -> Py<Self> {
@@ -199,13 +250,40 @@ impl Decoded {
     }
 
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<u8>>>> {
-        let next = py.detach(|| {
-            let Ok(mut stream) = self.0.lock() else { return Ok(None) };
-            next(stream.get()?).map_err(|error| PyOSError::new_err(messages::of(&error)))
-        });
-        let Some((shape, bytes)) = next? else { return Ok(None) };
+        let (stream, wanted) = (Arc::clone(self.stream.get()?), self.wanted.clone());
+        let read = move || {
+            let mut stream = stream.lock().unwrap_or_else(PoisonError::into_inner);
+            let read = stream.next();
+            if wanted.has_ended() {
+                // The call has left: nobody else would end the recording's ffmpeg.
+                *stream = Stream::Closed;
+            }
+            read
+        };
+        let next = match interruptible(py, &self.wanted, read) {
+            Ok(next) => next?,
+            Err(interrupted) => {
+                self.close_stream(py)?;
+                return match interrupted {
+                    Interrupted::Raised(error) => Err(error),
+                    Interrupted::Ended if self.is_closed.load(Ordering::SeqCst) => Ok(None),
+                    Interrupted::Ended => Err(PyRuntimeError::new_err(
+                        "this iteration was interrupted while it read a frame: iterate over the recording anew",
+                    )),
+                };
+            }
+        };
+        let Some((shape, bytes)) = next else { return Ok(None) };
         let shape = if shape[2] == 1 { &shape[..2] } else { &shape[..] };
         PyArray1::from_vec(py, bytes).reshape(shape).map(Some)
+    }
+
+    /// Ends the iteration, also while another thread waits for a frame. Closes a camera, and ends its ffmpeg.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        self.stream.get()?;
+        self.is_closed.store(true, Ordering::SeqCst);
+        self.wanted.end();
+        self.close_stream(py)
     }
 }
 
@@ -213,14 +291,14 @@ impl Decoded {
 ///
 /// Raises ValueError if a file with boxes cannot be read.
 #[pyfunction]
-pub fn start_beside(path: PathBuf) -> PyResult<Option<Four>> {
-    Ok(smr_recordings::start_beside(&path).map_err(refused)?.map(four))
+pub fn start_beside(py: Python<'_>, path: PathBuf) -> PyResult<Option<Four>> {
+    Ok(called(py, move || smr_recordings::start_beside(&path))?.map_err(refused)?.map(four))
 }
 
 /// Finds the recordings in folders, as host-sim does: a list of paths. Raises ValueError if a folder has none.
 #[pyfunction]
-pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
-    smr_recordings::recordings(&paths).map_err(refused)
+pub fn recordings(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
+    called(py, move || smr_recordings::recordings(&paths))?.map_err(refused)
 }
 
 fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
@@ -231,13 +309,16 @@ fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
 }
 
 /// Measures trackers on one recording. Returns the table `measured` of `host-sim eval --robustness` as a dict of
-/// columns. `starts` is 'given', 'near' or the number of frames between starts, as documented at `smr.evaluate`.
+/// columns. `starts` is 'given', 'near' or the number of frames between starts, as documented at `smr.evaluate`. `stop`
+/// ends the call from another thread.
 #[pyfunction]
+#[pyo3(signature = (path, trackers, starts, stop = None))]
 pub fn measure<'py>(
     py: Python<'py>,
     path: PathBuf,
     trackers: &Bound<'py, PyDict>,
     starts: Bound<'py, PyAny>,
+    stop: Option<&Bound<'py, Stop>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let starts = match (starts.extract::<&str>(), starts.extract::<NonZeroUsize>()) {
         (Ok("given"), _) => Starts::Given,
@@ -253,8 +334,14 @@ pub fn measure<'py>(
     };
     let variants: Vec<_> = trackers.iter().map(named).collect::<PyResult<_>>()?;
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(refused)?;
-    let mut measured =
-        py.detach(|| alone.install(|| robustness::measure(&[path], open, &variants, starts, None, &|_| ())));
+    let wanted = stop.map_or_else(Wanted::default, |stop| stop.get().0.clone());
+    let flag = wanted.clone();
+    let run = move || {
+        let open = |path: &Path| open(path).map(|sequence| checked(sequence, &flag));
+        robustness::measure(&[path], open, &variants, starts, None, &|_| check(&flag))
+    };
+    let in_pool = wanted.clone();
+    let mut measured = interruptible(py, &wanted, move || alone.install(|| in_pool.scope(run)))?;
     if !measured.failures.is_empty() {
         return Err(refused(measured.failures.remove(0)));
     }

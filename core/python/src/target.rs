@@ -7,7 +7,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
-use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, calls, paper, robust};
+use smr_core::{Answer, ConfigError, Frame, Rect, Robust, Steps, Target as _, UpdateError, calls, paper, robust};
 use smr_evaluation::{MethodKind, Refused};
 use std::cell::RefCell;
 
@@ -34,7 +34,10 @@ pub fn with_scratch<T>(count: usize, call: impl FnOnce(&mut [Scratch]) -> T) -> 
     thread_local! {
         static SCRATCH: RefCell<Vec<Scratch>> = RefCell::default();
     }
-    SCRATCH.with_borrow_mut(|all| {
+    SCRATCH.with(|kept| {
+        // The handler of a signal may call a tracker while another one works in this thread.
+        let (mut kept, mut own) = (kept.try_borrow_mut(), Vec::new());
+        let all = kept.as_deref_mut().unwrap_or(&mut own);
         all.resize_with(count.max(all.len()), Scratch::default);
         call(&mut all[..count])
     })
@@ -45,6 +48,22 @@ fn not_updated(error: UpdateError) -> PyErr {
         UpdateError::NotLocked => PyRuntimeError::new_err("there is no target yet: call init first"),
         error => refused(error),
     }
+}
+
+/// Work of a step, in the units of [`Steps::work`]: some hundredths of a second.
+const STEP: u32 = 100_000_000;
+
+fn stepped<T: Steps>(
+    target: &mut T,
+    workspace: &mut T::Workspace,
+    frame: &Frame<'_>,
+    mut go_on: impl FnMut() -> PyResult<()>,
+) -> PyResult<Answer> {
+    calls::end::<T>(workspace);
+    while !calls::step(target, workspace, frame, STEP).map_err(not_updated)? {
+        go_on().inspect_err(|_| calls::end::<T>(workspace))?;
+    }
+    Ok(calls::commit(target, workspace, frame))
 }
 
 /// Evaluates `$result` with `$of` bound to the target, for either tracker.
@@ -96,15 +115,20 @@ impl Target {
         }
     }
 
-    pub fn update(&mut self, scratch: &mut Scratch, pixels: &Pixels<'_>) -> PyResult<Answer> {
+    /// Finds the target. `go_on` is called from time to time; its error ends the update, which then changes nothing.
+    pub fn update(
+        &mut self,
+        scratch: &mut Scratch,
+        pixels: &Pixels<'_>,
+        go_on: impl FnMut() -> PyResult<()>,
+    ) -> PyResult<Answer> {
         let windows = each!(self, of => [of.window(), of.sweep_window()]);
         let Scratch { paper, robust, gray } = scratch;
         let frame = pixels.frame(windows, gray)?;
-        let answer = match self {
-            Self::Paper(of) => of.update(paper.get_or_insert_default(), &frame),
-            Self::Robust(of) => of.update(robust.get_or_insert_default(), &frame),
-        };
-        answer.map_err(not_updated)
+        match self {
+            Self::Paper(of) => stepped(&mut **of, paper.get_or_insert_default(), &frame, go_on),
+            Self::Robust(of) => stepped(&mut **of, robust.get_or_insert_default(), &frame, go_on),
+        }
     }
 
     /// Saves the target as bytes; `None` without a target.

@@ -2,6 +2,7 @@
 
 use crate::answer;
 use crate::frame::{Borrowed, Pixels, refused};
+use crate::interrupt::Signals;
 use crate::options::{or_value_error, with};
 use crate::target::{Scratch, Target, each, with_scratch};
 use pyo3::PyClassInitializer as New;
@@ -79,7 +80,8 @@ impl Tracker {
     fn next(&self, frame: &Bound<'_, PyAny>) -> PyResult<Answer> {
         let (py, frame) = (frame.py(), Borrowed::new(frame)?);
         let (pixels, target) = (frame.pixels(), &mut *self.target()?);
-        let update = || with_scratch(1, |scratch| target.update(&mut scratch[0], &pixels));
+        let mut signals = Signals::new();
+        let update = || with_scratch(1, |scratch| target.update(&mut scratch[0], &pixels, || signals.check()));
         py.detach(update).inspect(|&answer| self.keep(Some(answer)))
     }
 
@@ -244,7 +246,8 @@ fn side_by_side(targets: Vec<&mut Target>, scratch: &mut [Scratch], pixels: &Pix
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     let work = |scratch: &mut Scratch| {
         while let Some((target, answer)) = next() {
-            *answer = target.update(scratch, pixels).map(Some);
+            // A signal waits for the end of the frame: all targets follow in it, or none.
+            *answer = target.update(scratch, pixels, || Ok(())).map(Some);
         }
     };
     let [own, others @ ..] = scratch else { return Ok(Vec::new()) };

@@ -1,6 +1,6 @@
 //! Reads files whole, up to a size limit. A pipe or device without data for five seconds is an error.
 
-use crate::messages;
+use crate::{messages, wait};
 use anyhow::{Result, anyhow, ensure};
 use std::fs::{self, File};
 use std::io::{self, BufRead, ErrorKind, Read};
@@ -102,7 +102,7 @@ impl Patient {
 impl BufRead for Patient {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         if self.read == self.chunk.len() {
-            (self.chunk, self.read) = match self.chunks.recv_timeout(self.patience) {
+            (self.chunk, self.read) = match wait::receive(&self.chunks, self.patience) {
                 Ok(chunk) => (chunk?, 0),
                 Err(RecvTimeoutError::Disconnected) => (Vec::new(), 0),
                 Err(RecvTimeoutError::Timeout) => return Err((self.silent)(self.patience)),

@@ -35,6 +35,7 @@ mod start;
 pub mod street;
 pub mod synthetic;
 mod tiles;
+mod wait;
 mod y4m;
 
 pub use boxes::BoundingBox;
@@ -48,6 +49,7 @@ pub use resize::{Resize, Scalable, resized};
 pub use samples::{Levels, luma};
 pub use source::{Seekable, Source, is_seekable};
 pub use start::{Start, Target, check_gone, checked_name};
+pub use wait::Wanted;
 pub use y4m::Planes;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};

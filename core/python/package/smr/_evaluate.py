@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any, Optional, Union
 
-from ._smr import Robust, Tracker, measure, recordings
+from ._smr import Robust, Stop, Tracker, measure, recordings
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -43,21 +43,24 @@ def evaluate(
     if executor is not None:
         return _rows(executor, found, trackers, starts)
     with ThreadPoolExecutor(os.cpu_count()) as threads:
-        try:
-            return _rows(threads, found, trackers, starts)
-        except KeyboardInterrupt:
-            threads.shutdown(wait=False, cancel_futures=True)
-            raise
+        return _rows(threads, found, trackers, starts)
 
 
 def _rows(executor: Executor, found: Sequence[Path], trackers: Mapping[str, Tracker], starts: Union[str, int]) -> dict[str, list[Any]]:
-    futures = [executor.submit(measure, path, trackers, starts) for path in found]
+    stop = Stop()
+    futures = [executor.submit(measure, path, trackers, starts, stop) for path in found]
     tables, failures = [], []
-    for future in futures:
-        try:
-            tables.append(future.result())
-        except ValueError as error:
-            failures.append(str(error))
+    try:
+        for future in futures:
+            try:
+                tables.append(future.result())
+            except ValueError as error:
+                failures.append(str(error))
+    except BaseException:  # KeyboardInterrupt, for example: whoever waits for the executor waits no longer.
+        for future in futures:
+            future.cancel()
+        stop.end()
+        raise
     if not tables:
         raise ValueError("; ".join(failures))
     for failure in failures:

@@ -141,7 +141,8 @@ class Recording:
     Linux ("/dev/video0" or its number, 0), or an address ("rtsp://camera.local/stream").
 
     Iterating over it decodes one frame at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3) with
-    `color=True`. A camera or an address yields its newest frame and drops older ones. After a fork, iterate anew.
+    `color=True`. A camera or an address yields its newest frame and drops older ones. After a fork, or a Ctrl-C while
+    a frame was read, iterate anew. `close` of the iterator ends it, also while another thread waits for a frame.
 
     Videos, cameras and addresses need ffmpeg (not OpenCV) on the PATH. Raises ValueError if the recording cannot be
     opened; iterating raises OSError at a damaged frame, or if a camera fails.
@@ -166,13 +167,26 @@ class Recording:
     def truth(self) -> Optional[list[Optional[_Four]]]:
         """The true box of each frame, (x, y, width, height) in pixels or None (hidden target). None without ground truth."""
     def __len__(self) -> int: ...
-    def __iter__(self) -> Iterator[npt.NDArray[np.uint8]]: ...
+    def __iter__(self) -> Frames: ...
     def score(self, boxes: Sequence[Optional[_Box]]) -> dict[str, Any]:
         """Scores the boxes of any tracker. Returns the figures of `host-sim eval` as a dict from name to value.
 
         `boxes` has (x, y, width, height) in pixels for each frame, or None where the tracker has no answer. Raises
         ValueError without ground truth, or if the number of boxes differs from it.
         """
+
+class Frames(Iterator[npt.NDArray[np.uint8]]):
+    """An iterator over the frames of a `Recording`, from `iter(recording)`."""
+    def __iter__(self) -> Frames: ...
+    def __next__(self) -> npt.NDArray[np.uint8]: ...
+    def close(self) -> None:
+        """Ends the iteration, also while another thread waits for a frame. Closes a camera, and ends its ffmpeg."""
+
+class Stop:
+    """Ends calls from another thread. A copy in another process ends none."""
+    def __new__(cls) -> Stop: ...
+    def end(self) -> None:
+        """Ends the calls that were given this object, now and later."""
 
 def start_beside(path: _Path) -> Optional[_Four]:
     """The initial box, from a file beside `path`: (x, y, width, height) in pixels, or None. Reads no frame.
@@ -181,9 +195,12 @@ def start_beside(path: _Path) -> Optional[_Four]:
     """
 def recordings(paths: Sequence[_Path]) -> list[os.PathLike[str]]:
     """Finds the recordings in folders, as host-sim does: a list of paths. Raises ValueError if a folder has none."""
-def measure(path: _Path, trackers: Mapping[str, Tracker], starts: Union[str, int]) -> dict[str, list[Any]]:
+def measure(
+    path: _Path, trackers: Mapping[str, Tracker], starts: Union[str, int], stop: Optional[Stop] = None
+) -> dict[str, list[Any]]:
     """Measures trackers on one recording. Returns the table `measured` of `host-sim eval --robustness` as a dict of
-    columns. `starts` is 'given', 'near' or the number of frames between starts, as documented at `smr.evaluate`.
+    columns. `starts` is 'given', 'near' or the number of frames between starts, as documented at `smr.evaluate`. `stop`
+    ends the call from another thread.
     """
 def follow(trackers: Sequence[Tracker], frame: _Frame, threads: int) -> list[Answer]:
     """Updates all trackers of a `Group` on at most `threads` threads. Updates no tracker if any tracker is in use by

@@ -368,6 +368,7 @@ class Source(threading.Thread):
         super().__init__(daemon=True)
         self.recording, self.repeat = recording, repeat
         self.frame, self.error, self.has_ended, self.is_wanted = None, None, False, True
+        self.frames = None
         self.changed = threading.Condition()
         self.start()
 
@@ -383,8 +384,8 @@ class Source(threading.Thread):
 
     def read(self):
         """Reads the recording once, to its end. Returns False if it has no frame, or none is wanted."""
-        frame = None
-        for frame in self.recording:
+        self.frames, frame = iter(self.recording), None
+        for frame in self.frames:
             with self.changed:
                 # The newest frame of a live source replaces an older one.
                 self.changed.wait_for(lambda: self.frame is None or self.recording.is_live or not self.is_wanted)
@@ -413,7 +414,9 @@ class Source(threading.Thread):
         with self.changed:
             self.is_wanted = False
             self.changed.notify_all()
-        self.join(0.2)
+        if self.frames is not None:
+            self.frames.close()
+        self.join(1)
         return not self.is_alive()
 
 

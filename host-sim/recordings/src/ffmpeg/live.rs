@@ -3,6 +3,7 @@
 use super::process::{self, Ffmpeg};
 use crate::Frame;
 use crate::cleanup::{self, locked};
+use crate::wait;
 use crate::y4m::{self, Planes};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader, stdin};
@@ -124,7 +125,7 @@ impl Iterator for Live {
     fn next(&mut self) -> Option<Frame> {
         let arrivals = Arc::clone(&self.arrivals);
         let mut state = locked(&arrivals.state);
-        while !cleanup::is_stopped() {
+        while !cleanup::is_stopped() && !wait::has_ended() {
             if let Some((number, seconds, planes)) = state.newest.take() {
                 state.taken += 1;
                 let frame = Frame::new(number, Some(seconds), planes.gray());

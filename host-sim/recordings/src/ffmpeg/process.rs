@@ -2,6 +2,7 @@
 
 use crate::cleanup::Process;
 use crate::input::Patient;
+use crate::wait;
 use anyhow::{Context, Result, bail};
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};
@@ -160,7 +161,7 @@ impl Ffmpeg {
 
     /// Waits for the next line of standard error; `None` at its end.
     pub fn line(&mut self) -> Result<Option<Line>> {
-        let line = match self.lines.recv_timeout(self.patience) {
+        let line = match wait::receive(&self.lines, self.patience) {
             Err(RecvTimeoutError::Timeout) => return Err(silent(self.patience).into()),
             line => line.ok(),
         };
@@ -183,7 +184,8 @@ impl Ffmpeg {
     }
 
     fn ended(&mut self) -> Result<ExitStatus> {
-        let status = self.process.wait_while(|waited| waited <= self.patience).context("cannot wait for ffmpeg")?;
+        let is_waited_for = |waited| waited <= self.patience && !wait::has_ended();
+        let status = self.process.wait_while(is_waited_for).context("cannot wait for ffmpeg")?;
         let Some(status) = status else {
             return Err(silent(self.patience)).with_context(|| format!("cannot read {}", self.name));
         };
