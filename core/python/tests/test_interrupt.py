@@ -3,6 +3,7 @@
 import os
 import pathlib
 import pickle
+import shutil
 import signal
 import socket
 import subprocess
@@ -14,7 +15,10 @@ import numpy as np
 import pytest
 import smr
 
-pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="no /proc: the children of a process are not known")
+pytestmark = [
+    pytest.mark.skipif(not sys.platform.startswith("linux"), reason="interrupts: no /proc, which lists the children of a process"),
+    pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="interrupts: no ffmpeg"),
+]
 MOST_SECONDS = 1.0
 
 # Restores Python's handler, because a background job and its child processes ignore interrupts.
@@ -84,11 +88,7 @@ def pipe(tmp_path):
 @pytest.fixture(scope="session")
 def video(tmp_path_factory):
     path = tmp_path_factory.mktemp("video") / "long.mp4"
-    made = ["ffmpeg", "-v", "error", "-f", "lavfi", "-i", "testsrc2=s=64x48:r=25:d=400", "-c:v", "mjpeg", str(path)]
-    try:
-        subprocess.run(made, check=True)
-    except FileNotFoundError:
-        pytest.skip("no ffmpeg")
+    subprocess.run(["ffmpeg", "-v", "error", "-f", "lavfi", "-i", "testsrc2=s=64x48:r=25:d=400", "-c:v", "mjpeg", str(path)], check=True)
     return str(path)
 
 
@@ -182,7 +182,7 @@ def test_boxes_beside_a_recording_that_are_a_pipe(pipe, tmp_path):
 @pytest.mark.parametrize("call", ["len(recording)", "recording.fps", "recording.size", "next(iter(recording))"])
 def test_an_ffmpeg_that_does_nothing(video, tmp_path, call):
     """The first ffmpeg opens the recording; the later ones hang."""
-    (tmp_path / "ffmpeg").write_text(f"#!/bin/sh\n[ -e {tmp_path}/hang ] && exec sleep 600\nexec {find('ffmpeg')} \"$@\"\n")
+    (tmp_path / "ffmpeg").write_text(f"#!/bin/sh\n[ -e {tmp_path}/hang ] && exec sleep 600\nexec {shutil.which('ffmpeg')} \"$@\"\n")
     (tmp_path / "ffmpeg").chmod(0o755)
     script = f"""
 recording = smr.Recording(sys.argv[1], color=True)
@@ -192,10 +192,6 @@ def call():
 measured(call)
 """
     assert interrupt(script, video, PATH=f"{tmp_path}:{os.environ['PATH']}") == "KeyboardInterrupt\n"
-
-
-def find(program):
-    return next(path for folder in os.environ["PATH"].split(":") if (path := pathlib.Path(folder) / program).exists())
 
 
 @pytest.mark.parametrize("loop", [
