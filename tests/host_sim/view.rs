@@ -307,6 +307,8 @@ fn boxes_of_a_file_are_locks() {
     assert_eq!(outside, (400, "the box 150,24,24,28 in frame 2 is not wholly inside 160x120 pixels".to_owned()));
     let (status, _, said) = post("frame\n", "my%20boxes.csv");
     assert!(status == 400 && said.starts_with(b"my boxes.csv: line 1: there is no column x"));
+    let latin = window.asked(&format!("POST /{}/boxes?name=a.csv", window.token), "", "frame\0");
+    assert!(latin.0 == 400 && latin.2.starts_with(b"a.csv: it has NUL characters"));
     drop(window);
     let window = Window::open(&[recording, "--boxes", utf8(&file), "--session", utf8(&folder.path().join("new.json"))]);
     assert_eq!(begun(&window).0[0]["locks"], car[0]["locks"]);

@@ -233,10 +233,12 @@ fn read<T>(path: &Path, entry: impl Fn(&str) -> Result<T>) -> Result<Vec<T>> {
 }
 
 fn parse<T>(text: &str, entry: impl Fn(&str) -> Result<T>) -> Result<Vec<T>> {
-    // Lines end with LF, CR LF or CR. Some editors begin a file with a byte order mark, and many end it with empty lines.
-    let text = text.replace("\r\n", "\n").replace('\r', "\n");
-    let lines = text.trim_start_matches('\u{feff}').trim_end().lines();
-    lines.enumerate().map(|(index, line)| entry(line).with_context(|| format!("line {}", index + 1))).collect()
+    // Many editors end a file with empty lines.
+    text.trim_end()
+        .lines()
+        .enumerate()
+        .map(|(index, line)| entry(line).with_context(|| format!("line {}", index + 1)))
+        .collect()
 }
 
 /// Returns the box around a region of VOT: `x,y,width,height`, polygon `x1,y1,x2,y2,x3,y3,...`, or mask
@@ -264,7 +266,7 @@ pub fn region(text: &str) -> Result<Option<BoundingBox>> {
 
 /// Returns the box around the target in a run-length mask. The runs go through a rectangle of the picture row by row,
 /// and are alternately background (first) and target. The outer `None` means that the text is no mask.
-fn mask(text: &str) -> Option<Option<BoundingBox>> {
+pub(super) fn mask(text: &str) -> Option<Option<BoundingBox>> {
     let numbers = text.split(',').map(|field| field.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
     let (&[x, y, width, height], runs) = numbers.split_first_chunk()?;
     let (width, height) = (u64::from(u16::try_from(width).ok()?), u64::from(u16::try_from(height).ok()?));
@@ -318,7 +320,7 @@ mod tests {
     }
 
     fn parsed(form: Form, text: &str) -> Result<Vec<Option<BoundingBox>>> {
-        parse(text, |line| form.entry(line))
+        parse(&input::decoded(text.as_bytes(), &input::BOXES)?, |line| form.entry(line))
     }
 
     #[test]

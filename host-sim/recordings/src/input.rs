@@ -1,7 +1,7 @@
 //! Reads files whole, up to a size limit. A pipe or device without data for five seconds is an error.
 
 use crate::{messages, wait};
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use std::fs::{self, File};
 use std::io::{self, BufRead, ErrorKind, Read};
 use std::path::Path;
@@ -25,9 +25,32 @@ pub const FORMER: Kind = Kind { expected: "what `host-sim eval --robustness --js
 /// Longest time without data from a pipe or a device.
 const PATIENCE: Duration = Duration::from_secs(5);
 
+/// Reads a text file. Errors: as [`bytes()`] and [`decoded`].
 pub fn text(file: &Path, kind: &Kind) -> Result<String> {
-    let text = String::from_utf8(bytes(file, kind)?);
-    text.map_err(|_| anyhow!("it is not text in UTF-8: expected {}", kind.expected))
+    decoded(&bytes(file, kind)?, kind)
+}
+
+/// Decodes UTF-8, or UTF-16 with a byte order mark. Returns the text without the mark; all lines end with LF.
+pub fn decoded(bytes: &[u8], kind: &Kind) -> Result<String> {
+    let expected = || format!("expected {} in UTF-8", kind.expected);
+    let units = |of: &[u8], unit: fn([u8; 2]) -> u16| {
+        let (pairs, rest) = of.as_chunks();
+        let units: Vec<u16> = pairs.iter().copied().map(unit).collect();
+        String::from_utf16(&units)
+            .ok()
+            .filter(|_| rest.is_empty())
+            .with_context(|| format!("it begins as UTF-16, but is damaged: {}", expected()))
+    };
+    let text = match bytes {
+        [0xFF, 0xFE, rest @ ..] => units(rest, u16::from_le_bytes)?,
+        [0xFE, 0xFF, rest @ ..] => units(rest, u16::from_be_bytes)?,
+        _ => str::from_utf8(bytes).map(str::to_owned).map_err(|error| {
+            let line = bytes[..error.valid_up_to()].split(|&byte| byte == b'\n').count();
+            anyhow!("line {line}: it is not text in UTF-8: {}", expected())
+        })?,
+    };
+    ensure!(!text.contains('\0'), "it has NUL characters, as UTF-16 without its mark has: {}", expected());
+    Ok(text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n"))
 }
 
 /// Reads a file. Errors: The file is missing, unreadable, a folder, too long, or a silent pipe or device. The error
@@ -139,9 +162,24 @@ mod tests {
         assert_eq!(bytes(&file, &SMALL).unwrap().len(), 1 << 20);
         fs::write(&file, vec![7; (1 << 20) + 1]).unwrap();
         fails(&file, "it has more than 1 MiB: expected a small file of at most that");
-        fs::write(&file, b"\xFF").unwrap();
-        fails(&file, "it is not text in UTF-8: expected a small file");
+        fs::write(&file, b"a\nb\xFF").unwrap();
+        fails(&file, "line 2: it is not text in UTF-8: expected a small file in UTF-8");
         fails(folder.path(), "it is a folder: expected a small file");
         fails(&folder.path().join("missing"), "there is no such file: expected a small file");
+    }
+    #[test]
+    fn text_of_every_system_is_decoded() {
+        let read = |bytes: &[u8]| decoded(bytes, &SMALL).map_err(|error| error.to_string());
+        let utf16 = |text: &str, unit: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(unit).collect::<Vec<u8>>();
+        let (marked, plain) = ("\u{feff}ü\r\n😀\rb\n", Ok("ü\n😀\nb\n".to_owned()));
+        assert_eq!(read(marked.as_bytes()), plain);
+        assert_eq!(
+            [read(&utf16(marked, u16::to_le_bytes)), read(&utf16(marked, u16::to_be_bytes))],
+            [(); 2].map(|()| plain.clone())
+        );
+        let damaged = "it begins as UTF-16, but is damaged: expected a small file in UTF-8";
+        assert_eq!([read(b"\xFF\xFEa"), read(b"\xFF\xFE\0\xD8")], [(); 2].map(|()| Err(damaged.to_owned())));
+        let nul = "it has NUL characters, as UTF-16 without its mark has: expected a small file in UTF-8";
+        assert_eq!(read(&utf16("<a/>", u16::to_le_bytes)), Err(nul.to_owned()));
     }
 }

@@ -3,6 +3,7 @@
 //! A [`Sequence`] streams frames with the boxes known about them. [`fault`] and [`cover`] change frames on their way to
 //! a tracker. [`output`] writes files whole or not at all, and [`cleanup`] removes them on a signal.
 
+pub mod annotations;
 pub mod away;
 mod border;
 pub mod boxes;

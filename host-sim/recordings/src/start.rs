@@ -56,8 +56,8 @@ impl Target {
         Ok(targets)
     }
 
-    /// Returns an error if a box lies in a frame beyond the end of the recording.
-    pub fn check_frames(targets: &[Self], first: usize, length: Option<usize>) -> Result<()> {
+    /// Returns an error if a box lies in a frame beyond the end of the recording. `option` gave the boxes.
+    pub fn check_frames(targets: &[Self], first: usize, length: Option<usize>, option: &str) -> Result<()> {
         // A recording without frames is reported elsewhere.
         let last = length.filter(|&length| length > 0).map_or(FrameNumber::MOST, |length| first + length - 1);
         let starts =
@@ -66,7 +66,7 @@ impl Target {
             return Ok(());
         };
         let of = name.as_ref().map_or(String::new(), |name| format!(" for {name}"));
-        bail!("there is no frame {frame}{of} (--init): expected {first} to {last}")
+        bail!("there is no frame {frame}{of} ({option}): expected {first} to {last}")
     }
 
     /// Returns each frame number with its box in whole pixels; `None` where the target is gone.

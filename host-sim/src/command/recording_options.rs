@@ -144,7 +144,8 @@ impl RecordingOptions {
             sequence = sequence.part(part, truth_from, &option);
         }
         let mut targets = Target::all(&self.init, sequence.first)?;
-        Target::check_frames(&targets, sequence.first, sequence.length).with_context(|| sequence.name.clone())?;
+        Target::check_frames(&targets, sequence.first, sequence.length, "--init")
+            .with_context(|| sequence.name.clone())?;
         if let Some(target) = targets.first() {
             sequence.init = target.starts[0].1;
         }

@@ -12,9 +12,8 @@ use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::window::{
     Camera, Followed, Growing, Job, Lock, Made, Requests, Server, Session, Source, Target, Window, Work, check_inside,
-    read_boxes,
 };
-use smr_recordings::input;
+use smr_recordings::annotations;
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::complain;
 use smr_recordings::{BUILT_IN, FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
@@ -33,11 +32,11 @@ pub struct View {
     /// The tracker that follows the targets [default: robust]
     #[arg(long, value_enum)]
     method: Option<MethodKind>,
-    /// Read the initial boxes from FILE: CSV as `track` writes it, or CVAT XML for video
+    /// Read the initial boxes from FILE: CSV with column names, as `track` writes it, or CVAT XML 1.1
     ///
     /// CSV: a box without a confidence is a lock; other boxes are answers, which the tracker computes again. If the file has states, a
-    /// target is gone in each frame without a line. CVAT: each key frame is a lock, and `outside` means gone, except in tracks with
-    /// source="auto".
+    /// target is gone in each frame without a line. CVAT for video: each key frame is a lock, and `outside` means gone. CVAT for images:
+    /// each shape is a lock of the target that its label names. A shape is read as its bounding box; shapes with source="auto" are answers.
     #[arg(long, value_name = "FILE", conflicts_with = "init")]
     boxes: Option<PathBuf>,
     /// The file that keeps the targets, the method and its options [default: SEQ.smr.json, beside the recording]
@@ -164,22 +163,16 @@ impl View {
 
     /// Targets of the command line, or else the one from files beside the recording.
     fn targets(&self, beside: Option<Rect>, length: Option<usize>) -> Result<Vec<Target>> {
-        if let Some(file) = &self.boxes {
-            return input::text(file, &input::BOXES)
-                .and_then(|text| read_boxes(&text))
-                .with_context(|| file.display().to_string());
-        }
-        let mut given = smr_recordings::Target::all(&self.init, 1)?;
-        smr_recordings::Target::check_frames(&given, 1, length)?;
+        let (mut given, option) = match &self.boxes {
+            Some(file) => (annotations::read(file).with_context(|| file.display().to_string())?, "--boxes"),
+            None => (smr_recordings::Target::all(&self.init, 1)?, "--init"),
+        };
+        smr_recordings::Target::check_frames(&given, 1, length, option)?;
         if given.is_empty() {
             let beside = beside.map(|rect| vec![(1, Some(rect.into()))]);
             given.extend(beside.map(|starts| smr_recordings::Target { name: None, starts }));
         }
-        let target = |(id, given): (u32, smr_recordings::Target)| {
-            let locks = given.rects()?.into_iter().map(|(frame, rect)| Lock::new(frame, rect)).collect();
-            Ok(Target { id, name: given.name.unwrap_or_else(|| "target".to_owned()), locks })
-        };
-        (1..).zip(given).map(target).collect()
+        Target::numbered(given)
     }
 
     /// Path of the session file. Cameras, standard input and built-in recordings have one only with `--session`.

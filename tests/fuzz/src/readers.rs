@@ -3,7 +3,7 @@
 use smr_core::Rect;
 use smr_evaluation::robustness::Former;
 use smr_recordings::boxes::{self, Form};
-use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence};
+use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence, annotations, check_gone};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -68,9 +68,21 @@ pub(crate) fn raw(bytes: &[u8]) {
     recording("1.raw", pixels, Some((u16::from_le_bytes([a, b]) >> 6, u16::from_le_bytes([c, d]) >> 6)));
 }
 
-/// Reads ground truth, first boxes (`init.txt`) and results in the formats of TLD, OTB, VOT and GOT-10k.
+/// Checks that each target begins with a box, has at most one entry in a frame, and boxes with pixels.
+fn annotated(bytes: &[u8]) {
+    for target in annotations::parse(bytes).unwrap_or_default() {
+        let locks = target.rects().expect("boxes have pixels");
+        assert!(locks.is_sorted_by_key(|(frame, _)| *frame) && locks[0].0 > 0 && locks[0].1.is_some());
+        let frames = || locks.iter().map(|(frame, bbox)| (*frame, bbox.is_some()));
+        assert!(frames().zip(frames().skip(1)).all(|((one, _), (next, _))| one < next));
+        check_gone("the target", frames()).expect("gone follows a box");
+    }
+}
+
+/// Reads ground truth, first boxes (`init.txt`) and results in the formats of TLD, OTB, VOT and GOT-10k; CSV and CVAT.
 pub(crate) fn boxes(bytes: &[u8]) {
     let Some((form, text)) = bytes.split_first() else { return };
+    annotated(text);
     let names = ["gt.txt", "groundtruth_rect.txt", "groundtruth.txt", "init.txt", "absence.label", "result.txt"];
     let name = names[usize::from(*form) % names.len()];
     as_file("1.pgm", b"P5 2 1 255\n\x03\xFF", |picture| {

@@ -3,6 +3,8 @@
 
 mod coco;
 mod cvat;
+#[cfg(test)]
+mod round_trip;
 
 use anyhow::Result;
 use clap::ValueEnum;
@@ -377,9 +379,8 @@ mod tests {
         for (frame, report) in [Some(seen), Some(answered), Some(lost), None, None, Some(seen)].iter().enumerate() {
             cvat.line(&answer(0, frame + 1, report.as_ref())).unwrap();
         }
-        let read = crate::window::read_boxes(&cvat.foot().unwrap()).unwrap();
-        let locks: Vec<_> = read[0].locks.iter().map(|lock| (lock.frame, lock.rect())).collect();
-        assert_eq!(locks, [(1, seen.bbox), (4, None), (6, seen.bbox)]);
+        let read = smr_recordings::annotations::parse(cvat.foot().unwrap().as_bytes()).unwrap();
+        assert_eq!(read[0].rects().unwrap(), [(1, seen.bbox), (4, None), (6, seen.bbox)]);
     }
 
     #[test]

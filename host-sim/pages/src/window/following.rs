@@ -35,6 +35,15 @@ pub struct Lock {
 }
 
 impl Target {
+    /// Numbers targets from 1. Errors: A box has no pixels.
+    pub fn numbered(given: Vec<smr_recordings::Target>) -> Result<Vec<Self>> {
+        let target = |(id, given): (u32, smr_recordings::Target)| {
+            let locks = given.rects()?.into_iter().map(|(frame, rect)| Lock::new(frame, rect)).collect();
+            Ok(Self { id, name: given.name.unwrap_or_else(|| "target".to_owned()), locks })
+        };
+        (1..).zip(given).map(target).collect()
+    }
+
     /// True if two pages gave the same id to different targets, which share neither name nor lock.
     fn is_another(&self, other: &Self) -> bool {
         self.id == other.id

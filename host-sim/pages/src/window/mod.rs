@@ -10,7 +10,6 @@
 //! `news`, the log of changes; if many answers changed, a page requests them in parts. Frames come from a `recording`
 //! or a `camera`. The page itself is core/web/page/window.html. `session` saves the user's work in a file.
 
-mod boxes;
 mod camera;
 mod change_log;
 mod following;
@@ -21,7 +20,6 @@ mod routes;
 mod server;
 mod session;
 
-pub use boxes::read as read_boxes;
 pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target, check_inside};
 pub use made::{Job, Made};

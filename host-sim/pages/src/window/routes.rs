@@ -4,7 +4,7 @@ use super::change_log::TargetSpan;
 use super::following::{Changes, Followed, Lock, Row, Target, check_inside};
 use super::made::{Job, Made};
 use super::server::{Reply, Request, Server};
-use super::{Known, Session, Source, read_boxes};
+use super::{Known, Session, Source};
 use crate::export::boxes::{Format, rounded};
 use crate::{encode, front_end};
 use anyhow::{Context, Result, bail};
@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 use smr_evaluation::{Report, Variant, name_of};
 use smr_recordings::messages::{self, choice_name};
-use smr_recordings::{BoundingBox, FrameNumber};
+use smr_recordings::{BoundingBox, FrameNumber, annotations};
 use std::str::FromStr;
 use std::sync::Arc;
 use std::thread;
@@ -118,8 +118,7 @@ impl Window {
             }
             (true, "boxes", "") => {
                 let name = value(query, "name").map_or("these boxes".to_owned(), decoded);
-                let text = std::str::from_utf8(body).context("it is not text in UTF-8: expected CSV or CVAT XML");
-                let targets = text.and_then(read_boxes).context(name)?;
+                let targets = annotations::parse(body).and_then(Target::numbered).context(name)?;
                 json_reply(&json!({ "targets": targets }))
             }
             (true, "method", "") => {
