@@ -316,6 +316,40 @@ fn boxes_of_a_file_are_locks() {
     assert_eq!(window.text("boxes?format=csv"), csv);
 }
 
+/// The length of a video is known only after its packets are counted.
+#[test]
+fn a_box_behind_the_end_of_a_video_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let (film, video, said) = (place("film.y4m"), place("film.mp4"), place("said"));
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..20", "--out", utf8(&film)]).code, Some(0));
+    let mut ffmpeg = Command::new("ffmpeg");
+    ffmpeg.args(["-nostdin", "-v", "error", "-i"]).arg(&film).arg(&video);
+    if !crate::missing::runs(&mut ffmpeg) {
+        return skipped("a_box_behind_the_end_of_a_video_is_said", "no ffmpeg that writes mp4");
+    }
+    fs::write(place("a.csv"), "target,frame,x,y,width,height\ncar,1,36,24,24,28\ncar,999,36,24,24,28\n").unwrap();
+    let xml = |frame: u32| format!("<box frame=\"{frame}\" xtl=\"36\" ytl=\"24\" xbr=\"60\" ybr=\"52\"/>");
+    let track = format!("<annotations><track label=\"car\">{}{}</track></annotations>", xml(0), xml(998));
+    fs::write(place("a.xml"), track).unwrap();
+    let (csv, xml) = (place("a.csv"), place("a.xml"));
+    for given in [
+        &["--init", "car=36,24,24,28", "--init", "car=36,24,24,28@999"][..],
+        &["--boxes", utf8(&csv)],
+        &["--boxes", utf8(&xml)],
+    ] {
+        let mut command = Command::new(PROGRAM);
+        command.args(["view", "--no-open", "--json"]).arg(&video).args(given);
+        command.stderr(fs::File::create(&said).unwrap());
+        let window = Window::start(command);
+        let line = "there is no frame 999 for car: expected 1 to 20";
+        window.wait("the message", |news| news["said"] == line);
+        window.followed();
+        assert_eq!(fs::read_to_string(&said).unwrap(), format!("warning: film: {line}\n"), "{given:?}");
+        assert_eq!(window.text("boxes?format=tld").lines().count(), 20);
+    }
+}
+
 #[test]
 fn a_part_of_a_frame_has_its_own_pixels() {
     let window = Window::open(&["periodic"]);

@@ -146,6 +146,8 @@ struct State {
     log: ChangeLog,
     /// Last frame of the recording, once reading has reached its end.
     end: Option<usize>,
+    /// Latest frame of a lock behind the end that the user has been told.
+    told_beyond: usize,
     seen: usize,
     damaged: Option<usize>,
     /// Frame being tracked, and the speed in frames a second.
@@ -327,6 +329,7 @@ impl Followed {
             changes: 0,
             log: ChangeLog::default(),
             end: None,
+            told_beyond: 0,
             seen: 0,
             damaged: None,
             at: None,
@@ -443,6 +446,18 @@ impl Followed {
         self.change(|state| tell(&mut state.log));
     }
 
+    /// Returns, once, a message about the latest lock behind the end of a recording, whose length may be known only
+    /// after its boxes were accepted. `known` is the count of frames, if known.
+    pub(super) fn beyond(&self, known: Option<usize>) -> Option<String> {
+        let mut state = self.state();
+        let last = state.frames(known).filter(|&last| last > 0)?;
+        let locks = state.targets.iter().flat_map(|target| target.locks.iter().map(|lock| (lock.frame, &target.name)));
+        let (frame, name) = locks.max().filter(|&(frame, _)| frame > last && frame != state.told_beyond)?;
+        let line = format!("there is no frame {frame} for {name}: expected 1 to {last}");
+        state.told_beyond = frame;
+        Some(line)
+    }
+
     /// Waits at most `patience` for changes after `since`. If over [`PORTION`] answers changed, returns their ranges.
     pub(super) fn wait_for_changes(&self, since: u64, patience: Duration) -> Changes {
         let mut state = self.state();
@@ -490,7 +505,9 @@ impl Followed {
         let stays_gone = state.targets.iter().any(|target| target.locks.last().is_some_and(|lock| lock.bbox.is_none()));
         // If a target stays gone after its last lock, it needs no more answers, so all frames count as done.
         let done = || ends.chain(state.frames(known).filter(|_| stays_gone)).max();
-        (open.or_else(done).unwrap_or(0), at)
+        // A lock may lie behind the end.
+        let last = state.frames(known).unwrap_or(usize::MAX);
+        (open.or_else(done).unwrap_or(0).min(last), at)
     }
 
     /// Returns the last frame before damaged data, for the option `--frames`; `None` if no damage is known, the first

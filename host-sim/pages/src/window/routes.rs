@@ -13,6 +13,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 use smr_evaluation::{Report, Variant, name_of};
 use smr_recordings::messages::{self, choice_name};
+use smr_recordings::output::complain;
 use smr_recordings::{BoundingBox, FrameNumber, annotations};
 use std::str::FromStr;
 use std::sync::Arc;
@@ -56,6 +57,7 @@ impl Window {
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
         thread::spawn(move || followed.run(source.as_ref()));
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
+        let name = self.name.clone();
         // This thread informs the page when the source knows more frames.
         thread::spawn(move || {
             let mut told = Known::default();
@@ -65,6 +67,12 @@ impl Window {
                 if known != told || source.live().is_some() {
                     followed.learns(known.frames.filter(|_| source.live().is_none()));
                     told = known;
+                }
+                if source.live().is_none()
+                    && let Some(line) = followed.beyond(told.frames)
+                {
+                    complain(&format!("warning: {name}: {line}"));
+                    followed.tell(|log| log.say(line));
                 }
             }
         });

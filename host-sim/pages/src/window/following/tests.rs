@@ -282,6 +282,21 @@ fn the_end_of_a_read_is_not_the_end_of_the_recording() {
     assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1]));
 }
 
+/// The length of a recording may be known only once it has been read, or its frames have been counted.
+#[test]
+fn a_lock_behind_the_end_is_said_once_the_length_is_known() {
+    let behind = |id, frame| Target { locks: vec![lock(1), Lock { frame, ..lock(1) }], ..target(id, &[]) };
+    let mut running = Running::start(Scene::default(), vec![behind(1, 99), behind(2, 200)]);
+    running.heard();
+    assert_eq!(running.followed.reached(None), (FRAMES, None));
+    let beyond = |known| running.followed.beyond(known);
+    let said = |last: usize| Some(format!("there is no frame 200 for 2: expected 1 to {last}"));
+    assert_eq!((beyond(None), beyond(Some(FRAMES))), (said(FRAMES), None));
+    let followed = Followed::new(variant(MethodKind::Smr), vec![behind(1, 99)], &Scene::default()).unwrap();
+    assert_eq!([None, Some(0), Some(99)].map(|known| followed.beyond(known)), [None, None, None]);
+    assert_eq!(followed.beyond(Some(98)), Some("there is no frame 99 for 1: expected 1 to 98".to_owned()));
+}
+
 #[test]
 fn a_page_asks_for_many_answers_by_parts() {
     let targets: Vec<_> = (1..=4).map(|id| target(id, &[1])).collect();
