@@ -1,6 +1,7 @@
 // The targets as edited by the user: their names, and the boxes that they are locked on. Each change can be undone.
 
-const COLORS = ["#ff6ec7", "#4aa8ff", "#ffb02e", "#3ddc84", "#c58bff", "#ff5a4f", "#35d6e6", "#d6e35a"];
+import { colorOf } from "./colors.js";
+
 const MOST_UNDONE = 500;
 const MOST_UNDER_WAY = 50; // changes that host-sim may still refuse
 
@@ -33,8 +34,8 @@ export class Edits {
    */
   targets = [];
   #chosen = null; // an id; null: the next box is a new target
-  #ids = 0;
-  #past = [];
+  #ids = 0; // the largest id that was ever given; it never goes back, so that no id is given twice
+  #past = []; // { targets, chosen } before each change
   #future = [];
   #steps = []; // the last changes: the targets after each, and all that was before
 
@@ -55,12 +56,18 @@ export class Edits {
     this.#chosen = target?.id ?? null;
   }
 
-  /** Replaces all targets by { id, name, locks } of another page or a session, and clears the undo history. */
-  load(targets) {
+  /**
+   * Replaces all targets by { id, name, locks } of another page or a session, and clears the undo history. `ids` is the
+   * largest id that was ever given there.
+   */
+  load(targets, ids = 0) {
     [this.#past, this.#future, this.#steps] = [[], [], []];
     const isAdding = this.targets.length > 0 && this.#chosen === null;
-    this.targets = targets.map((target) => ({ ...target, name: ["target", `target${target.id}`].includes(target.name) ? "" : target.name, color: colorOf(target.id) }));
-    this.#ids = Math.max(this.#ids, ...targets.map(({ id }) => id));
+    this.targets = targets.map((target) => ({ ...target, name: isPlain(target) ? "" : target.name, color: colorOf(target.id) }));
+    for (let twice = this.#namedTwice(); twice !== undefined; twice = this.#namedTwice()) {
+      twice.name = "";
+    }
+    this.#ids = Math.max(this.#ids, ids, ...targets.map(({ id }) => id));
     this.#chosen = this.chosen?.id ?? (isAdding ? null : (this.targets[0]?.id ?? null));
   }
 
@@ -69,8 +76,7 @@ export class Edits {
     const { id, name, color, locks } = target ?? this.#made();
     const others = locks.filter((lock) => lock.number !== number);
     const locked = { id, name, color, locks: inOrder([...others, { number, box }]) };
-    this.#replace(target === null ? [...this.targets, locked] : this.targets.map((one) => (one.id === id ? locked : one)));
-    this.#chosen = id;
+    this.#replace(target === null ? [...this.targets, locked] : this.targets.map((one) => (one.id === id ? locked : one)), id);
   }
 
   /** Marks a target as absent, starting at frame `number` and until its next box. */
@@ -85,16 +91,20 @@ export class Edits {
   }
 
   add(targets) {
-    const added = targets.map(({ name, locks }) => ({ ...this.#made(), name: this.#freeName(name), locks: inOrder(locks) }));
-    this.#replace([...this.targets, ...added]);
-    this.#chosen = added.at(-1)?.id ?? this.#chosen;
+    const before = this.targets;
+    for (const { name, locks } of targets) {
+      const made = this.#made();
+      // Each name is checked against those that are added before it.
+      this.targets = [...this.targets, { ...made, name: this.#freeName(name), locks: inOrder(locks) }];
+    }
+    const after = this.targets;
+    this.targets = before;
+    this.#replace(after, after.at(-1)?.id ?? null);
   }
 
   remove({ id }) {
-    this.#replace(this.targets.filter((one) => one.id !== id));
-    if (this.#chosen === id) {
-      this.#chosen = this.targets.at(-1)?.id ?? null;
-    }
+    const left = this.targets.filter((one) => one.id !== id);
+    this.#replace(left, this.#chosen === id ? (left.at(-1)?.id ?? null) : this.#chosen);
   }
 
   /** Renames a target. Returns an error message if another target has the name, else null. */
@@ -109,17 +119,13 @@ export class Edits {
 
   undo() {
     if (this.canUndo) {
-      this.#change(this.#past.at(-1), this.#past.slice(0, -1), [...this.#future, this.targets]);
-      this.#chosen = this.chosen?.id ?? this.targets.at(-1)?.id ?? null;
-      // If all changes are undone and no targets are left, ids start again at 1.
-      this.#ids = this.canUndo || this.targets.length > 0 ? this.#ids : 0;
+      this.#change(this.#past.at(-1), this.#past.slice(0, -1), [...this.#future, this.#now]);
     }
   }
 
   redo() {
     if (this.canRedo) {
-      this.#change(this.#future.at(-1), [...this.#past, this.targets], this.#future.slice(0, -1));
-      this.#chosen = this.chosen?.id ?? this.targets.at(-1)?.id ?? null;
+      this.#change(this.#future.at(-1), [...this.#past, this.#now], this.#future.slice(0, -1));
     }
   }
 
@@ -136,10 +142,14 @@ export class Edits {
     }
   }
 
-  // Sets the targets and the history, and stores the former state for `takeBack`.
-  #change(targets, past, future) {
-    const before = { targets: this.targets, past: this.#past, future: this.#future, chosen: this.#chosen };
-    [this.targets, this.#past, this.#future] = [targets, past.slice(-MOST_UNDONE), future];
+  get #now() {
+    return { targets: this.targets, chosen: this.#chosen };
+  }
+
+  // Sets the targets, the chosen one and the history, and stores the former state for `takeBack`.
+  #change({ targets, chosen }, past, future) {
+    const before = { ...this.#now, past: this.#past, future: this.#future };
+    [this.targets, this.#chosen, this.#past, this.#future] = [targets, chosen, past.slice(-MOST_UNDONE), future];
     this.#steps = [...this.#steps, { after: targets, before }].slice(-MOST_UNDER_WAY);
   }
 
@@ -152,20 +162,24 @@ export class Edits {
 
   // Returns the name, or an empty text if an existing target has this name.
   #freeName(name) {
-    const isFree = (one) => this.targets.every((target) => nameOf(target) !== one);
     const plain = plainName(name);
-    return isFree(plain) ? plain : "";
+    return this.targets.every((target) => nameOf(target) !== plain) ? plain : "";
   }
 
-  #replace(targets) {
-    this.#change(targets, [...this.#past, this.targets], []);
+  #namedTwice() {
+    return this.targets.find((one) => one.name !== "" && this.targets.some((other) => other !== one && nameOf(other) === nameOf(one)));
+  }
+
+  #replace(targets, chosen = this.#chosen) {
+    this.#change({ targets, chosen }, [...this.#past, this.#now], []);
   }
 }
+
+// True if a target has the name that host-sim and this page give to one without a name.
+const isPlain = ({ id, name }) => ["target", `target${id}`].includes(name);
 
 // Sorts locks by frame, and drops each mark "gone" that follows another one or precedes the first box.
 function inOrder(locks) {
   const sorted = [...locks].sort((one, other) => one.number - other.number);
   return sorted.filter(({ box }, at) => box !== null || (at > 0 && sorted[at - 1].box !== null));
 }
-
-const colorOf = (id) => COLORS[(id - 1) % COLORS.length];

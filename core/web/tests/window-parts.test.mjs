@@ -6,7 +6,10 @@ import { Answers } from "../page/answers.js";
 import { gripOf } from "../page/drag.js";
 import { Connection } from "../page/connection.js";
 import { Edits, lockIn, nameOf, plainName } from "../page/edits.js";
+import { ENDED, Messages } from "../page/messages.js";
+import { doubtOf } from "../page/question.js";
 import { Pictures } from "../page/window-pictures.js";
+import { random } from "./library.mjs";
 
 const BOX = { x: 1, y: 2, width: 30, height: 40 };
 const MOVED = { ...BOX, x: 5 };
@@ -46,6 +49,141 @@ test("the last box of a target takes the target with it, and its number is not u
   edits.choose(null);
   edits.lock(3, BOX);
   assert.equal(edits.chosen.id, 3);
+});
+
+test("a box drawn after a redo, a rename and an undo is of a target of its own", () => {
+  const edits = new Edits();
+  edits.lock(1, BOX);
+  edits.undo();
+  assert.equal(edits.chosen, null, "the next box is a new target, as before");
+  edits.redo();
+  assert.equal(edits.rename(edits.chosen, "ship"), null);
+  edits.choose(null);
+  edits.lock(1, MOVED);
+  assert.deepEqual(edits.targets.map(({ id, name }) => [id, name]), [[1, "ship"], [2, ""]]);
+  edits.undo();
+  assert.equal(edits.chosen, null);
+  edits.lock(1, MOVED);
+  assert.deepEqual(edits.targets.map(({ id }) => id), [1, 3], "the id of a target that was undone is not given again");
+});
+
+const shape = (targets) => targets.map((target) => [target.id, nameOf(target), target.locks]);
+
+/** Does `count` random changes to `edits`, and to a plain model of targets; compares them after each. */
+function change(edits, numbers, count) {
+  const owners = new Map(); // a description of the target that each id was given to
+  let model = { past: [], now: [], future: [] };
+  const to = (now) => (model = { past: [...model.past, model.now], now, future: [] });
+  const box = () => ({ x: numbers.below(99), y: numbers.below(99), width: 1 + numbers.below(50), height: 1 + numbers.below(50) });
+  const placed = (locks, number, box) => [...locks.filter((lock) => lock.number !== number), { number, box }].sort((one, other) => one.number - other.number);
+  // Takes the ids and names of new targets from `edits`: they must be new, the rest must be as in the model.
+  const born = (made) => {
+    const fresh = edits.targets.slice(-made.length);
+    fresh.forEach(({ id }, at) => {
+      assert.ok(!owners.has(id), `id ${id} is given twice`);
+      owners.set(id, made[at]);
+    });
+    to([...model.now, ...fresh.map((target, at) => ({ id: target.id, name: nameOf(target), locks: made[at] }))]);
+  };
+  const acts = {
+    draw() {
+      const [number, drawn] = [1 + numbers.below(20), box()];
+      edits.choose(null);
+      edits.lock(number, drawn);
+      born([[{ number, box: drawn }]]);
+    },
+    correct() {
+      const [number, drawn, target] = [1 + numbers.below(20), box(), numbers.of(edits.targets)];
+      edits.lock(number, drawn, target);
+      to(model.now.map((one) => (one.id === target.id ? { ...one, locks: placed(one.locks, number, drawn) } : one)));
+    },
+    rename() {
+      const [target, name] = [numbers.of(edits.targets), numbers.of(["ship", "car", "target2", "target9"])];
+      if (edits.rename(target, name) === null) {
+        to(model.now.map((one) => (one.id === target.id ? { ...one, name } : one)));
+      }
+    },
+    remove() {
+      const target = numbers.of(edits.targets);
+      edits.remove(target);
+      to(model.now.filter(({ id }) => id !== target.id));
+    },
+    add() {
+      const read = ["ship", "a b", "a_b", "target3"].map((name) => ({ name, locks: [{ number: 1 + numbers.below(20), box: box() }] }));
+      edits.add(read);
+      born(read.map(({ locks }) => locks));
+    },
+    undo() {
+      edits.undo();
+      if (model.past.length > 0) {
+        model = { past: model.past.slice(0, -1), now: model.past.at(-1), future: [...model.future, model.now] };
+      }
+    },
+    redo() {
+      edits.redo();
+      if (model.future.length > 0) {
+        model = { past: [...model.past, model.now], now: model.future.at(-1), future: model.future.slice(0, -1) };
+      }
+    },
+  };
+  const check = (what) => {
+    assert.deepEqual(shape(edits.targets), model.now.map(({ id, name, locks }) => [id, name, locks]), what);
+    const names = edits.targets.map(nameOf);
+    assert.equal(new Set(names).size, names.length, `${what}: ${names}`);
+    assert.deepEqual([edits.canUndo, edits.canRedo], [model.past.length > 0, model.future.length > 0], what);
+  };
+  const needed = ["correct", "rename", "remove"];
+  for (let step = 0; step < count; step++) {
+    const act = numbers.of(["draw", "correct", "rename", "remove", "add", "undo", "undo", "redo", "redo"]);
+    if (!needed.includes(act) || edits.targets.length > 0) {
+      acts[act]();
+      check(`step ${step}, ${act}`);
+    }
+  }
+}
+
+test("whatever is drawn, undone, done again, renamed, read or removed: ids are given once, and each target keeps its boxes and name", () => {
+  for (let seed = 1; seed <= 200; seed++) {
+    const edits = new Edits();
+    change(edits, random(seed), 60);
+    const last = shape(edits.targets);
+    let steps = 0;
+    for (; edits.canUndo; steps++) {
+      edits.undo();
+    }
+    assert.deepEqual(edits.targets, [], `seed ${seed}`);
+    for (; steps > 0; steps--) {
+      edits.redo();
+    }
+    assert.deepEqual(shape(edits.targets), last, `seed ${seed}`);
+  }
+});
+
+test("a box that may be of something else is asked about, one that is pulled or over a lost target is not", () => {
+  const of = (box, more = {}) => doubtOf(box, { name: "car", former: { x: 100, y: 100, width: 40, height: 20 }, isPulled: false, isLost: false, ...more });
+  const at = (x, y, width = 40, height = 20) => ({ x, y, width, height });
+  assert.deepEqual([at(100, 100), at(110, 102), at(95, 95, 60, 30)].map((box) => of(box)), [null, null, null]);
+  const apart = "This box hardly overlaps that of car.";
+  assert.deepEqual([at(300, 10), at(141, 100), at(130, 112), at(300, 10, 4, 4)].map((box) => of(box)), [apart, apart, apart, apart]);
+  assert.equal(of(at(110, 105, 15, 10)), "This box has 15x10 pixels, and that of car 40x20.");
+  assert.equal(of(at(50, 50, 200, 100)), "This box has 200x100 pixels, and that of car 40x20.");
+  assert.deepEqual([of(at(300, 10), { isPulled: true }), of(at(300, 10, 90, 90), { isLost: true })], [null, null]);
+  assert.match(of(at(110, 105, 15, 10), { isPulled: true }), /15x10 pixels/);
+  assert.match(of(at(300, 10, 15, 10), { isLost: true }), /15x10 pixels/);
+  assert.equal(of(at(100, 100), { former: null }), "car is gone in this frame.");
+});
+
+test("a sentence is shown until its cause ends, and that of the end is never hidden", () => {
+  const messages = new Messages();
+  messages.say("no such frame", "act");
+  messages.say("frame 9 is damaged", "tracking");
+  assert.equal(messages.text, "frame 9 is damaged");
+  messages.say("", "tracking");
+  assert.equal(messages.text, "no such frame");
+  messages.say("host-sim has ended.", ENDED);
+  assert.equal(messages.text, "host-sim has ended. no such frame");
+  messages.say("", "act");
+  assert.equal(messages.text, "host-sim has ended.");
 });
 
 test("names are what a shell takes, and none is given twice", () => {
@@ -106,8 +244,13 @@ test("targets of another page are taken as they are", () => {
   assert.equal(edits.chosen, null, "who adds a target goes on with that");
   edits.lock(1, BOX);
   assert.equal(edits.chosen.id, 10);
-  edits.load([{ id: 4, name: "car", locks: [{ number: 1, box: BOX }] }]);
+  edits.load([{ id: 4, name: "car", locks: [{ number: 1, box: BOX }] }], 20);
   assert.equal(edits.chosen.id, 4);
+  edits.choose(null);
+  edits.lock(1, BOX);
+  assert.equal(edits.chosen.id, 21, "targets that were removed before the session had the ids up to 20");
+  edits.load([{ id: 1, name: "target2", locks: [] }, { id: 2, name: "target", locks: [] }, { id: 3, name: "target1", locks: [] }]);
+  assert.deepEqual(edits.targets.map(nameOf), ["target1", "target2", "target3"], "no name stands twice");
 });
 
 const row = (id, number, state, confidence = 0.5) => [id, number, state, 1.25, 2, 30, 40, confidence, null, 0.25, 1, 12];
