@@ -1,4 +1,4 @@
-//! Finds the folder of the front end and lists its JavaScript modules. In a clone it is `core/web/page`; in a published
+//! Finds the folder of the front end, lists its JavaScript modules, and reads its colors of targets. In a clone it is `core/web/page`; in a published
 //! package it is a copy made by `.ci/release`, because a package contains only its own folder.
 
 use std::path::Path;
@@ -10,11 +10,19 @@ fn main() -> io::Result<()> {
     let folder = if copy.is_dir() { copy } else { here.join("../../core/web/page") };
     println!("cargo::rustc-env=SMR_FRONT_END={}", folder.display());
     println!("cargo::rerun-if-changed=build.rs");
+    let out = env::var_os("OUT_DIR").unwrap_or_default();
+    fs::write(Path::new(&out).join("targets.rs"), targets(&folder.join("colors.js"))?)?;
     let lists = [modules(&folder, "window.js")?, modules(&folder, "report.js")?];
-    fs::write(
-        Path::new(&env::var_os("OUT_DIR").unwrap_or_default()).join("modules.rs"),
-        format!("[{}]", lists.join(",")),
-    )
+    fs::write(Path::new(&out).join("modules.rs"), format!("[{}]", lists.join(",")))
+}
+
+/// Returns Rust source for a slice of the colors in `file`, each there in quotes as `"#rrggbb"`.
+fn targets(file: &Path) -> io::Result<String> {
+    println!("cargo::rerun-if-changed={}", file.display());
+    let text = fs::read_to_string(file).map_err(|error| io::Error::other(format!("{}: {error}", file.display())))?;
+    let color = |hex: &str| format!("[0x{}, 0x{}, 0x{}]", &hex[..2], &hex[2..4], &hex[4..6]);
+    let colors: Vec<_> = text.split("\"#").skip(1).map(color).collect();
+    Ok(format!("&[{}]", colors.join(", ")))
 }
 
 /// Returns Rust source for a slice of (name, text): the module `first`, and all that it imports, directly or not.

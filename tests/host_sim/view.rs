@@ -260,7 +260,13 @@ fn work_is_kept_beside_the_recording_and_gone_on_with() {
     let window = Window::open(&[recording]);
     let source = window.json("source");
     assert_eq!((&source["targets"], &source["method"], &source["frame"]), (&car, &json!("smr"), &json!(12)));
-    assert_eq!(source["options"], json!({ "config": "camera" }));
+    assert_eq!((&source["options"], &source["ids"]), (&json!({ "config": "camera" }), &car[0]["id"]));
+    assert_eq!(window.post("targets", &json!([])).0, 200);
+    assert_eq!(window.json("source")["ids"], source["ids"], "the id of a removed target is not given again");
+    drop(window);
+    let window = Window::open(&[recording]);
+    assert_eq!((&window.json("source")["targets"], &window.json("source")["ids"]), (&json!([]), &source["ids"]));
+    assert_eq!(window.post("targets", &car).0, 200);
     drop(window);
     // Targets of the command line replace the targets of the session; the session file keeps its own.
     let window = Window::open(&[recording, "--init", "1,1,20,20"]);

@@ -12,8 +12,10 @@ import { drawLimits, drawMade, drawMenu, drawTaken } from "./exports.js";
 import { FRAMES, chartsOf, drawFigures } from "./figures.js";
 import { Graph } from "./graph.js";
 import { drawList } from "./list.js";
+import { ENDED, Messages } from "./messages.js";
 import { Playback, frameNamed } from "./playback.js";
 import { Preview } from "./preview.js";
+import { doubtOf } from "./question.js";
 import { drawStage } from "./stage.js";
 import { Timeline } from "./timeline.js";
 import { chosenTracker, showMethod, showTracker } from "./tracker-settings.js";
@@ -23,7 +25,6 @@ const READINGS_MS = 80;
 const EVENTS_MS = 400;
 const LOADING_MS = 200; // a shorter wait is not worth a word
 const MOST_LATE = 50; // frames
-const SMALL_PART = 1 / 4; // of the last area: a smaller box may be a slip
 const NEW_COLOR = "#fff";
 const TRAIL = 75; // the last frames through which the path of a target is drawn
 
@@ -38,15 +39,27 @@ let followed = null; // the last frame that all targets have answers for
 let news = {};
 let proposed = null; // a box that is being drawn
 let pulled = null; // the grip that it is pulled by
-let asked = null; // a box that the user has to confirm, and its grip
+let asked = null; // a box of which the user has to say what it is for: { box, grip, id, first }
 let hovered = { number: null }; // the frame under the mouse on the timeline
 let hasEnded = false;
+let sent = []; // the targets that were sent last
+const underWay = new Set(); // lists of ids of targets whose change the source has not answered yet
+let messages = new Messages();
 let [drawing, reading, loading] = [null, null, null];
 let playback, viewport, detail, timeline, preview, graph, drag, seesCurves;
 
-function say(text) {
-  byId("said").textContent = text;
-  byId("said").hidden = text === "";
+// The sentence of the cause "act" is about the user's last action.
+function say(text, cause = "act") {
+  messages.say(text, cause);
+  write(byId("said"), messages.text);
+  byId("said").hidden = messages.text === "";
+}
+
+function complain({ message, cause }) {
+  const isGone = cause === "connection";
+  if (!isGone || !hasEnded) {
+    say(message, isGone ? cause : "act");
+  }
 }
 
 // ---- frames
@@ -76,47 +89,75 @@ function visitNamed() {
 
 // ---- boxes that the user draws
 
-// Returns the box from which drawing by keys starts: the target's, or one in the middle of the view.
-function startBox() {
+// Returns the grip from which drawing by keys starts: the inside of the chosen target's box or, with the id null, of a
+// box in the middle of the view.
+function startGrip() {
   const { x, y, width, height } = viewport.seen;
-  return whole(boxOf(edits.chosen)?.box ?? { x: x + width * 0.375, y: y + height * 0.375, width: width / 4, height: height / 4 });
+  const found = boxOf(edits.chosen);
+  const box = found?.box ?? { x: x + width * 0.375, y: y + height * 0.375, width: width / 4, height: height / 4 };
+  return { box: whole(box), held: [0, 0], id: found && edits.chosen.id };
 }
 
 function whole({ x, y, width, height }) {
   return { x: Math.round(x), y: Math.round(y), width: Math.round(width), height: Math.round(height) };
 }
 
-const areaOf = ({ width, height }) => width * height;
-
-// Locks a target on a box. Returns false if the user must confirm it first, because the box is unusually small.
+// Takes a box that the user has drawn, or pulled by a grip. Returns false if the user must say first what it is for.
 function lock(box, grip) {
-  if (areaOf(box) === 0) {
+  if (box.width * box.height === 0) {
     say("The box has no pixels: drag from one corner to the other.");
     return true;
   }
-  const isConfirmed = asked !== null && JSON.stringify(asked.box) === JSON.stringify(box);
-  const held = isConfirmed ? asked.grip : grip;
+  if (asked !== null && JSON.stringify(asked.box) === JSON.stringify(box)) {
+    settle(asked.first);
+    return true;
+  }
+  const held = grip ?? asked?.grip ?? null;
   const target = held === null ? edits.chosen : targetOf(held.id);
-  const last = target?.locks.findLast((one) => one.box !== null)?.box;
-  if (!isConfirmed && last !== undefined && areaOf(box) < areaOf(last) * SMALL_PART) {
-    ask({ box, grip: held }, `This box has ${box.width}x${box.height} pixels, and the last one of ${nameOf(target)} ${last.width}x${last.height}.`);
+  const doubt = target && doubtOf(box, { name: nameOf(target), isPulled: held !== null, ...formerOf(target, held) });
+  if (doubt) {
+    ask({ box, grip: held, id: target.id, first: held === null ? "fresh" : "correct" }, doubt);
     return false;
   }
-  ask(null);
-  say("");
-  edits.lock(playback.shown, box, target);
-  changed();
-  if (held === null && kind === "recorded" && byId("plays").checked) {
-    // Deferred, because playback cannot leave the frame until the drawn box is cleared.
-    queueMicrotask(() => playback.play(true));
-  }
+  lockOn(box, target, held !== null);
   return true;
 }
 
+// Returns the box that a target had before the user's: the pulled one, its box in the shown frame, or else its nearest
+// known one; null if the target is gone.
+function formerOf(target, grip) {
+  const here = playback.shown;
+  if (grip !== null || isGone(target, here)) {
+    return { former: grip?.box ?? null };
+  }
+  const { number, box } = target.locks.findLast((one) => one.number <= here) ?? target.locks[0];
+  const found = boxOf(target) ?? answers.last(target.id, number, here) ?? { box };
+  return { former: whole(found.box), isLost: found.state === "lost" };
+}
+
+function lockOn(box, target, isPulled) {
+  edits.lock(playback.shown, box, target);
+  changed();
+  if (!isPulled && kind === "recorded" && byId("plays").checked) {
+    // Deferred, because playback cannot leave the frame until the drawn box is cleared.
+    queueMicrotask(() => playback.play(true));
+  }
+}
+
+// Shows or, for null, hides the question what a box is for.
 function ask(what, words = "") {
   asked = what;
   byId("asked").hidden = what === null;
   byId("asked").firstElementChild.textContent = words;
+  if (what !== null) {
+    write(byId("correct"), `Correct ${nameOf(targetOf(what.id))}`);
+    byId("asked").insertBefore(byId(what.first), byId("asked").querySelector("button"));
+  }
+}
+
+function settle(answer) {
+  const { box, grip, id } = asked;
+  lockOn(box, answer === "fresh" ? null : targetOf(id), grip !== null);
 }
 
 const targetOf = (id) => edits.targets.find((target) => target.id === id) ?? null;
@@ -143,6 +184,7 @@ function clicked(point) {
 }
 
 function choose(target) {
+  say("");
   edits.choose(target);
   draw();
 }
@@ -153,13 +195,18 @@ async function changed() {
   say("");
   drag.drop();
   draw();
+  const ids = targets.filter((target) => !sent.includes(target)).map(({ id }) => id);
+  underWay.add(ids);
+  sent = targets;
   try {
-    await source.targets(targets);
+    await source.targets(targets, edits.ids);
     answers.keep(edits.targets.map(({ id }) => id));
   } catch (error) {
     edits.takeBack(targets);
-    say(error.message);
+    complain(error);
     draw();
+  } finally {
+    underWay.delete(ids);
   }
 }
 
@@ -197,7 +244,10 @@ function goOrComeBack() {
 }
 
 function undo(isRedo) {
-  if (isRedo ? edits.canRedo : edits.canUndo) {
+  // A box that waits for an answer or for Enter is undone first.
+  if (proposed !== null && !isRedo) {
+    drag.drop();
+  } else if (isRedo ? edits.canRedo : edits.canUndo) {
     isRedo ? edits.redo() : edits.undo();
     changed();
   }
@@ -213,6 +263,7 @@ function heard(told) {
     return;
   }
   news = { ...told, live: told.live ?? news.live };
+  say("", "connection");
   answers.clear(told.clear ?? []);
   answers.take(told.rows);
   followed = told.followed > 0 ? recording.first + told.followed - 1 : null;
@@ -221,11 +272,17 @@ function heard(told) {
   }
   recording.session = told.session;
   if (told.targets !== undefined) {
-    edits.load(told.targets);
+    edits.load(told.targets, told.ids);
     answers.keep(edits.targets.map(({ id }) => id));
+    if (asked !== null && targetOf(asked.id) === null) {
+      drag.drop();
+    }
+  }
+  if (silent().length === 0) {
+    say("", "silence");
   }
   if (told.said !== undefined) {
-    say(told.said);
+    say(told.said, told.cause ?? (kind === "live" ? "source" : silent().length > 0 ? "silence" : "act"));
   }
   told.exports?.forEach((one) => drawMade(byId("made"), one, cancel));
   measure();
@@ -252,11 +309,26 @@ function measure() {
   }
 }
 
+// Lists where the answers of a target end early: [id, frame of its lock, first frame without an answer].
+const silent = () => news.silent ?? [];
+
+// True while the chosen target's answer in a frame is still to come: playback must not pass it.
+function isAwaited(number) {
+  const { chosen } = edits;
+  const lock = chosen?.locks.findLast((one) => one.number <= number);
+  if (kind === "live" || hasEnded || !lock?.box) {
+    return false;
+  }
+  const isSilent = ([id, locked, from]) => id === chosen.id && locked === lock.number && from <= number;
+  return [...underWay].flat().includes(chosen.id) || (answers.state(chosen.id, number) === undefined && !silent().some(isSilent));
+}
+
 function gone() {
   hasEnded = true;
   playback.play(false);
   const isKept = recording.session ? `: what was drawn is kept in ${recording.session}, and in` : ": what was drawn is in";
-  say(`host-sim has ended${isKept} the command line below. Start it again to go on.`);
+  say("", "connection");
+  say(`host-sim has ended${isKept} the command line below. Start it again to go on.`, ENDED);
   draw();
 }
 
@@ -418,7 +490,7 @@ function drawControls(chosen) {
   byId("play").setAttribute("aria-label", isPlaying ? "Pause" : "Play");
   const isHere = lockIn(chosen, shown) !== undefined;
   const isBegun = chosen !== null && chosen.locks[0].number < shown;
-  const off = { back: frame <= first, on: frame >= last, undo: !edits.canUndo, redo: !edits.canRedo, unlock: !isHere, gone: !isBegun, add: chosen === null, stop: hasEnded };
+  const off = { back: frame <= first, on: frame >= last, undo: !edits.canUndo && proposed === null, redo: !edits.canRedo, unlock: !isHere, gone: !isBegun, add: chosen === null, stop: hasEnded };
   Object.entries(off).forEach(([id, isOff]) => (byId(id).disabled = isOff));
   write(byId("gone"), isGone(chosen, shown) ? "Back here" : "Gone from here");
   write(byId("whole"), `${viewport.zoom < 10 ? Number(viewport.zoom.toFixed(1)) : Math.round(viewport.zoom)}×`);
@@ -433,9 +505,13 @@ function drawControls(chosen) {
 }
 
 function drawLoading() {
-  loading = playback.isLoading ? (loading ?? performance.now()) : null;
+  const { isLoading, isWaiting, frame, shown } = playback;
+  if (frame === shown) {
+    say("", "picture");
+  }
+  loading = isLoading || isWaiting ? (loading ?? performance.now()) : null;
   const isLong = loading !== null && performance.now() - loading > LOADING_MS;
-  write(byId("loading"), isLong ? `Loading frame ${playback.frame}` : "");
+  write(byId("loading"), isLong ? (isLoading ? `Loading frame ${frame}` : `Waiting for ${nameOf(edits.chosen)} in frame ${frame + 1}`) : "");
   byId("loading").hidden = !isLong;
   if (loading !== null && !isLong) {
     setTimeout(draw, LOADING_MS);
@@ -489,10 +565,16 @@ function pressed(event) {
   const isTyping = target.matches("input[type=text], select, textarea");
   // Radio buttons handle the arrow keys themselves; buttons and links handle the space bar.
   const isOwn = key === " " ? target.matches("button, a, summary, input:not([type=range])") : target.matches("input[type=radio]");
-  if (event.defaultPrevented || isTyping || altKey) {
+  if (event.defaultPrevented || altKey) {
     return;
   }
-  if (ctrlKey || metaKey) {
+  if (key === "Escape") {
+    if (closed() || (!isTyping && escaped())) {
+      event.preventDefault();
+    }
+  } else if (isTyping) {
+    return;
+  } else if (ctrlKey || metaKey) {
     const isRedo = key.toLowerCase() === "y" || shiftKey;
     if (["z", "y"].includes(key.toLowerCase())) {
       event.preventDefault();
@@ -504,18 +586,35 @@ function pressed(event) {
 }
 
 function acted(event) {
-  const unlocks = ["Delete", "Backspace"].includes(event.key);
-  if (unlocks) {
-    unlock();
+  const own = { Delete: unlock, Backspace: unlock, "?": () => byId("help").togglePopover() }[event.key];
+  own?.();
+  const isActed = own !== undefined || playback.key(event) || viewport.key(event);
+  if (isActed) {
+    say("");
   }
-  return unlocks || (event.key === "Escape" && escaped()) || playback.key(event) || viewport.key(event);
+  return isActed;
 }
 
-// Closes the menu of exports or, if it is closed, stops adding a target.
+// Closes the help or the menu of exports. Returns false if neither is open.
+function closed() {
+  const [help, menu] = [byId("help"), byId("export")];
+  if (help.matches(":popover-open")) {
+    help.hidePopover();
+    return true;
+  }
+  const isOpen = menu.open;
+  if (isOpen && menu.contains(document.activeElement)) {
+    menu.firstElementChild.focus();
+  }
+  menu.open = false;
+  return isOpen;
+}
+
+// Drops a box that is not taken yet or, if there is none, stops adding a target.
 function escaped() {
-  const isOpen = byId("export").open;
-  byId("export").open = false;
-  if (!isOpen && edits.chosen === null) {
+  if (proposed !== null) {
+    drag.drop();
+  } else if (edits.chosen === null) {
     choose(edits.targets.at(-1) ?? null);
   }
   return true;
@@ -529,7 +628,8 @@ function listen() {
     smaller: () => viewport.smaller(),
     larger: () => viewport.larger(),
     whole: () => viewport.whole(),
-    take: () => drag.take(),
+    fresh: () => settle("fresh"),
+    correct: () => settle("correct"),
     drop: () => drag.drop(),
     undo: () => undo(false),
     redo: () => undo(true),
@@ -540,8 +640,13 @@ function listen() {
       byId("stage").focus({ preventScroll: true });
     },
   };
-  Object.entries(clicks).forEach(([id, act]) => byId(id).addEventListener("click", act));
-  const changes = {
+  const listenTo = (event) => ([id, act]) =>
+    byId(id).addEventListener(event, () => {
+      say("");
+      act();
+    });
+  Object.entries(clicks).forEach(listenTo("click"));
+  const fields = {
     go: visitNamed,
     newest: () => {
       playback.followsNewest = byId("newest").checked;
@@ -553,8 +658,9 @@ function listen() {
     settings: useMethod,
     boxes: () => read(byId("boxes").files[0]),
   };
-  Object.entries(changes).forEach(([id, act]) => byId(id).addEventListener("change", act));
+  Object.entries(fields).forEach(listenTo("change"));
   document.addEventListener("keydown", pressed);
+  addEventListener("beforeunload", (event) => source.hasWork && event.preventDefault());
   document.addEventListener("dragover", (event) => event.preventDefault());
   document.addEventListener("drop", (event) => {
     event.preventDefault();
@@ -580,7 +686,7 @@ function useMethod() {
 async function stop() {
   if ((await trying(source.stop())) !== "") {
     playback.play(false);
-    say("Stopped. The last frames can still be looked through.");
+    say("Stopped. The last frames can still be looked through.", "source");
   }
 }
 
@@ -588,7 +694,7 @@ async function trying(promise) {
   try {
     return await promise;
   } catch (error) {
-    say(error.message);
+    complain(error);
     return "";
   }
 }
@@ -625,6 +731,7 @@ async function read(file) {
   if (file === undefined) {
     return;
   }
+  say("");
   byId("boxes").value = "";
   const targets = await trying(source.read(file));
   if (targets !== "") {
@@ -636,14 +743,17 @@ async function read(file) {
 function prepare() {
   playback = new Playback({
     picture: (number) => source.picture(number), isLive: () => kind === "live", timeOf, speed: () => Number(byId("speed").value),
-    isHeld: () => proposed !== null, changed: draw, failed: (error) => say(error.message), marks: () => allEvents().map((event) => event.frame),
+    isHeld: () => proposed !== null, isAwaited, changed: draw, failed: ({ message }) => say(message, "picture"), marks: () => allEvents().map((event) => event.frame),
     visited: (number) => source.place && trying(source.place(number)),
   });
   timeline = new Timeline(byId("timeline"), { goTo: visit, hover });
   preview = new Preview(byId("timeline"));
   drag = new Drag(byId("stage"), {
-    size, start: startBox, view: () => viewport.seen, grip: gripAt, click: clicked, lock,
+    size, start: startGrip, view: () => viewport.seen, grip: gripAt, click: clicked, lock,
     propose: (box, grip) => {
+      if (box !== null && proposed === null) {
+        say("");
+      }
       [proposed, pulled] = [box, grip ?? asked?.grip ?? null];
       if (box === null) {
         ask(null);
@@ -660,7 +770,7 @@ function prepare() {
 function opened(facts) {
   recording = { first: 1, ...facts };
   kind = recording.live ? "live" : "recorded";
-  [news, followed, hasEnded, hovered] = [{}, null, false, { number: null }];
+  [news, followed, hasEnded, hovered, messages] = [{}, null, false, { number: null }, new Messages()];
   say("");
   document.querySelectorAll("[data-in]").forEach((node) => (node.hidden = node.dataset.in !== kind));
   document.title = recording.name;
@@ -670,7 +780,7 @@ function opened(facts) {
   answers.keep([]);
   happened.clear();
   edits = new Edits();
-  edits.load(recording.targets);
+  edits.load(recording.targets, recording.ids);
   detail = new Detail((number, part) => source.part(number, part), draw);
   showTracker(recording);
   drawMenu(byId("files"), recording, { take, make: kind === "live" || !recording.films ? undefined : make });

@@ -2,6 +2,7 @@
 
 export class BuiltIn {
   name = "street";
+  key = "street";
   words = "street";
   live = false;
   width = 320;

@@ -1,13 +1,17 @@
 // Client of `host-sim view`: the application's source of frames and answers, which host-sim sends over HTTP.
 
+import { quoted } from "./command.js";
 import { targetOf, toldOf } from "./edits.js";
+import { isRecording } from "./file-kind.js";
 
 const AGAIN_MS = 1000;
 const MOST_FAILURES = 3;
 
 export class Connection {
   #revision = 0; // the number of the last change of the targets that this page knows
+  #position = 0; // in host-sim's log: the last change that this page has heard
   #sending = Promise.resolve();
+  #waiting = []; // for a position: { position, resolve }
 
   /**
    * Requests the facts about the source: name, size, `live` (true for a camera or stream), the count of `frames`, their
@@ -39,12 +43,12 @@ export class Connection {
    * many new answers, those from the frame `now()` on are loaded first.
    */
   async listen(heard, gone, now) {
-    let [position, failures] = [0, 0];
+    let failures = 0;
     const parts = []; // of answers that are to be asked for: [target, first frame, last frame]
     while (failures < MOST_FAILURES) {
       try {
-        const { targets, ...news } = await (await asked(`news?since=${position}${parts.length === 0 ? "" : "&wait=0"}`)).json();
-        [position, failures] = [news.position, 0];
+        const { targets, ...news } = await (await asked(`news?since=${this.#position}${parts.length === 0 ? "" : "&wait=0"}`)).json();
+        failures = 0;
         if (news.rows.length === 0) {
           parts.push(...news.changed);
         }
@@ -56,23 +60,39 @@ export class Connection {
         const isNew = news.revision > this.#revision;
         this.#revision = Math.max(this.#revision, news.revision ?? 0);
         heard({ ...news, ...(isNew ? { targets: targets.map(targetOf) } : {}) });
+        this.#heard(news.position);
       } catch (error) {
         failures += 1;
         console.debug(error);
         await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
       }
     }
+    this.#heard(Infinity);
     gone();
   }
 
-  /** Sends the list of targets, after any list still being sent. Throws host-sim's reason if the list is refused. */
-  targets(targets) {
+  #heard(position) {
+    this.#position = position;
+    this.#waiting.filter((one) => one.position <= position).forEach(({ resolve }) => resolve());
+    this.#waiting = this.#waiting.filter((one) => one.position > position);
+  }
+
+  /**
+   * Sends the list of targets, after any list still being sent, and waits until its news are heard: then all answers are
+   * of these targets. Throws host-sim's reason if the list is refused.
+   */
+  async targets(targets) {
     const sent = this.#sending.then(async () => {
       const answer = await told("targets", targets.map(toldOf), { "If-Match": `"${this.#revision}"` });
-      this.#revision = (await answer.json()).revision;
+      const { revision } = await answer.json();
+      this.#revision = revision;
+      return revision;
     });
     this.#sending = sent.catch(() => {});
-    return sent;
+    const position = await sent;
+    if (position > this.#position) {
+      await new Promise((resolve) => this.#waiting.push({ position, resolve }));
+    }
   }
 
   async method(method, options) {
@@ -94,6 +114,9 @@ export class Connection {
 
   /** Lets host-sim parse a file with boxes. Returns its targets { name, locks }. */
   async read(file) {
+    if (await isRecording(file)) {
+      throw new Error(`${file.name} has pictures, not boxes: to look at it, start another host-sim view ${quoted(file.name)}`);
+    }
     const answer = await asked(`boxes?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
     return (await answer.json()).targets.map(targetOf);
   }
@@ -124,7 +147,7 @@ async function answersOf(parts, now) {
 
 async function asked(address, options) {
   const answer = await fetch(address, options).catch(() => {
-    throw new Error("host-sim does not answer: it has ended, or this machine was asleep.");
+    throw new Error("host-sim does not answer: it has ended, or this machine was asleep.", { cause: "connection" });
   });
   if (!answer.ok) {
     throw new Error((await answer.text()).trim() || `host-sim answers ${answer.status} for ${address}`);

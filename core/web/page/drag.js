@@ -19,8 +19,8 @@ export class Drag {
   #box = null; // what is drawn
 
   /**
-   * `page` has: size(), the frame's size or null; view(), the frame's visible part; start(), the box that the Enter key
-   * proposes; grip(point, reach), which returns a grip { box, held }, the box at the point and its gripped part (see
+   * `page` has: size(), the frame's size or null; view(), the frame's visible part; start(), the grip whose box the Enter
+   * key proposes, with the id null if the box is a new one; grip(point, reach), which returns a grip { box, held }, the box at the point and its gripped part (see
    * `gripOf`), or null; propose(box or null, grip or null), which shows the box; lock(box, grip or null), which returns
    * false to keep the box drawn; click(point).
    */
@@ -39,13 +39,6 @@ export class Drag {
     return this.#from !== null;
   }
 
-  /** Passes the drawn box, if any, to `page.lock`. */
-  take() {
-    if (this.#box !== null) {
-      this.#lock(this.#box);
-    }
-  }
-
   drop() {
     [this.#from, this.#grip] = [null, null];
     this.#propose(null);
@@ -59,6 +52,7 @@ export class Drag {
     try {
       this.#canvas.setPointerCapture(event.pointerId);
     } catch {}
+    this.drop();
     this.#from = this.#place(event);
     this.#isMoved = false;
     this.#grip = this.#gripAt(event);
@@ -101,10 +95,13 @@ export class Drag {
       this.#propose(changed(this.#box, event, size));
     } else if (event.key === "Enter") {
       event.preventDefault();
-      this.#box === null ? this.#propose(inside(this.#page.start(), size)) : this.take();
-    } else if (event.key === "Escape") {
-      this.drop();
+      this.#box === null ? this.#begin(this.#page.start(), size) : this.#lock(this.#box);
     }
+  }
+
+  #begin(grip, size) {
+    this.#grip = grip.id === null ? null : grip;
+    this.#propose(inside(grip.box, size));
   }
 
   #lock(box) {

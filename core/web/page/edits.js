@@ -33,8 +33,9 @@ export class Edits {
    * the target is gone until its next box. The objects are replaced, never changed.
    */
   targets = [];
+  /** The largest id that was ever given. It never goes back, so that no id is given twice. */
+  ids = 0;
   #chosen = null; // an id; null: the next box is a new target
-  #ids = 0; // the largest id that was ever given; it never goes back, so that no id is given twice
   #past = []; // { targets, chosen } before each change
   #future = [];
   #steps = []; // the last changes: the targets after each, and all that was before
@@ -67,7 +68,7 @@ export class Edits {
     for (let twice = this.#namedTwice(); twice !== undefined; twice = this.#namedTwice()) {
       twice.name = "";
     }
-    this.#ids = Math.max(this.#ids, ids, ...targets.map(({ id }) => id));
+    this.ids = Math.max(this.ids, ids, ...targets.map(({ id }) => id));
     this.#chosen = this.chosen?.id ?? (isAdding ? null : (this.targets[0]?.id ?? null));
   }
 
@@ -155,9 +156,9 @@ export class Edits {
 
   #made() {
     do {
-      this.#ids += 1;
-    } while (this.targets.some((one) => nameOf(one) === `target${this.#ids}`));
-    return { id: this.#ids, name: "", color: colorOf(this.#ids), locks: [] };
+      this.ids += 1;
+    } while (this.targets.some((one) => nameOf(one) === `target${this.ids}`));
+    return { id: this.ids, name: "", color: colorOf(this.ids), locks: [] };
   }
 
   // Returns the name, or an empty text if an existing target has this name.

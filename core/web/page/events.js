@@ -71,7 +71,7 @@ export function sentence({ kind, frame, name }, timeOf) {
 
 /**
  * Fills the list element `place` with events. A click on one calls `goTo(frame)`. The last event at or before frame
- * `chosen` is marked. Unchanged items are not replaced, so that they keep the keyboard focus.
+ * `chosen` is marked, and the list scrolls to it. Unchanged items are not replaced, so that they keep the keyboard focus.
  */
 export function drawEvents(place, events, { timeOf, goTo, chosen }) {
   const words = events.map((one) => sentence(one, timeOf));
@@ -99,5 +99,14 @@ function mark(place, at) {
   if (marked !== wanted) {
     marked?.removeAttribute("aria-current");
     wanted?.setAttribute("aria-current", "true");
+    if (wanted !== null) {
+      reveal(place, wanted);
+    }
   }
+}
+
+// Scrolls the list, but not the page, as little as `node` needs to be seen.
+function reveal(place, node) {
+  const [list, { top, bottom }] = [place.getBoundingClientRect(), node.getBoundingClientRect()];
+  place.scrollTop += Math.min(top - list.top, 0) + Math.max(bottom - list.bottom, 0);
 }

@@ -75,6 +75,11 @@ export class Following {
     return this.#wanted.map((target) => [nameOf(target), [...this.#targets.get(target.id).rows.values()]]);
   }
 
+  /** Where the answers of a target end early: [id, frame of its lock, first frame without an answer]. */
+  get silent() {
+    return [...this.#targets.values()].flatMap((target) => target.silent);
+  }
+
   /** Last frame up to which all targets are tracked; Infinity if all are gone and the last frame is unknown. */
   get followed() {
     return Math.min(this.#source.last, ...[...this.#targets.values()].map(({ next }) => next - 1));
@@ -176,6 +181,7 @@ export class Following {
 export class Target {
   rows = new Map(); // by the number of the frame
   #isActive = false;
+  #stopped = null; // the frame in which tracking stopped
 
   /** Copies the answers before frame `from` from the target's former state `before`. Tracking restarts at `from`. */
   constructor(id, locks, from, before) {
@@ -191,6 +197,12 @@ export class Target {
   /** The next frame to track; Infinity if there is none. */
   get next() {
     return this.#isActive ? this.at + 1 : (this.locks.find(({ number }) => number > this.at)?.number ?? Infinity);
+  }
+
+  /** Where answers end because the tracker refused a frame: [[id, frame of the lock, first frame without an answer]]. */
+  get silent() {
+    const lock = this.locks.findLast(({ number }) => number <= this.#stopped);
+    return lock?.box ? [[this.id, lock.number, this.#stopped]] : [];
   }
 
   /** Returns the frame at which tracking must restart if the locks change to `locks`; Infinity if it can continue. */
@@ -211,6 +223,7 @@ export class Target {
   took(number, { answer, quality }, kept) {
     this.at = number;
     this.#isActive = answer !== undefined || quality !== undefined;
+    this.#stopped = this.#isActive ? null : number;
     if (!this.#isActive) {
       return undefined;
     }

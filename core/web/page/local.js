@@ -4,7 +4,9 @@
 import { BuiltIn } from "./built-in.js";
 import { Camera } from "./camera.js";
 import { packedModules, workerAddress } from "./data.js";
+import { quoted } from "./command.js";
 import { nameOf } from "./edits.js";
+import { isRecording } from "./file-kind.js";
 import { Follower } from "./follower.js";
 import { Following } from "./following.js";
 import { METHODS, TITLES } from "./methods.js";
@@ -20,6 +22,7 @@ export class Local {
   #source = null;
   #version;
   #choices = 0; // of sources
+  #work = new Map(); // { targets, ids } that the user made, by the source's key; by the source itself if it cannot be opened again
   #heard = () => {};
 
   /** Starts the worker and opens the built-in recording. */
@@ -47,16 +50,19 @@ export class Local {
   }
 
   async camera() {
-    this.#say("Waiting for the camera.");
+    this.#say("Waiting for the camera.", "opening");
     const camera = new Camera(this.#follower, {
       came: () => camera === this.#source && this.#came(),
-      failed: (text) => this.#say(text),
+      failed: (text) => this.#say(text, "camera"),
     });
     await this.#change(camera);
   }
 
   async read(file) {
-    this.#say(`Opening ${file.name}.`);
+    if (file.size > 0 && !(await isRecording(file))) {
+      throw new Error(`${file.name} is text, not a video: boxes are read by host-sim view VIDEO --boxes ${quoted(file.name)}`);
+    }
+    this.#say(`Opening ${file.name}.`, "opening");
     await this.#change(new VideoFile(file, { failed: (text) => this.#say(text) }));
     return "";
   }
@@ -70,8 +76,15 @@ export class Local {
     return this.#cut(number, part, 1);
   }
 
-  targets(targets) {
-    return this.#following.targets(targets);
+  async targets(targets, ids) {
+    const source = this.#source;
+    await this.#following.targets(targets);
+    this.#work.set(source.key ?? source, { targets, ids });
+  }
+
+  /** True if the user has drawn or changed boxes, which end with the page. */
+  get hasWork() {
+    return [...this.#work.values()].some(({ targets }) => targets.length > 0);
   }
 
   async method(method, options) {
@@ -119,6 +132,9 @@ export class Local {
       await source.open();
     } catch (error) {
       source.close();
+      if (choice === this.#choices) {
+        this.#say("", "opening");
+      }
       throw error;
     }
     if (choice !== this.#choices) {
@@ -126,31 +142,33 @@ export class Local {
       return null;
     }
     this.#source?.close();
+    this.#work.delete(this.#source); // of a camera, whose frames end with it
     this.#source = source;
     this.#following.use(source);
     await source.start?.();
     if (choice !== this.#choices) {
       return null;
     }
-    const { name, words, live, width, height, targets = [] } = source;
+    const { name, words, live, width, height } = source;
+    const { targets, ids = 0 } = this.#work.get(source.key) ?? { targets: source.targets ?? [] };
     this.#following.targets(targets).catch((error) => this.#say(error.message));
     return {
-      name, words, live, width, height, targets, ...source.news(), ...this.#following.using, methods: METHODS, formats: FORMATS, version: `smr ${this.#version}`,
-      timeOf: (number) => source.timeOf?.(number) ?? null, plays: targets.length > 0,
+      name, words, live, width, height, targets, ids, ...source.news(), ...this.#following.using, methods: METHODS, formats: FORMATS, version: `smr ${this.#version}`,
+      timeOf: (number) => source.timeOf?.(number) ?? null, plays: source.targets !== undefined,
     };
   }
 
   #came() {
     this.#following.run();
-    this.#tell(this.#source.news(this.#following.followed));
+    this.#tell({ said: "", cause: "camera", ...this.#source.news(this.#following.followed) });
   }
 
   #tell(news) {
-    this.#heard({ rows: [], followed: this.#following.followed, ...news });
+    this.#heard({ rows: [], followed: this.#following.followed, silent: this.#following.silent, ...news });
   }
 
-  #say(said) {
-    this.#tell({ said });
+  #say(said, cause = "source") {
+    this.#tell({ said, cause });
   }
 
   async #cut(number, { x, y, width, height }, scale) {

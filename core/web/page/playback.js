@@ -23,13 +23,15 @@ export class Playback {
   #page;
   #playing = null; // since when, and from which frame
   #writing = null;
+  #missing = null; // the number of the last picture that could not be loaded
   #peeked = null; // the number of a frame that is looked at beside the one that is shown
 
   /**
    * `page` has: picture(number), a promise for the frame's picture; isLive(); timeOf(number) in seconds or null;
-   * speed(), a factor; isHeld(), true while the picture must not change; marks(), ascending numbers of frames to jump
-   * to. Playback calls changed() when the page must be drawn again; failed(error) when the requested picture cannot be
-   * loaded; and visited(number), which is optional, when the frame number has been written into the address.
+   * speed(), a factor; isHeld(), true while the picture must not change; isAwaited(number), true while playing must not
+   * reach that frame; marks(), ascending numbers of frames to jump to. Playback calls changed() when the page must be
+   * drawn again; failed(error) when the requested picture cannot be loaded; and visited(number), which is optional, when
+   * the frame number has been written into the address.
    */
   constructor(page) {
     this.#page = page;
@@ -51,7 +53,12 @@ export class Playback {
 
   /** True while the picture of the requested frame is loading. */
   get isLoading() {
-    return this.frame !== this.shown && !this.#page.isHeld();
+    return this.frame !== this.shown && this.frame !== this.#missing && !this.#page.isHeld();
+  }
+
+  /** True while playing waits for the answer in the next frame. */
+  get isWaiting() {
+    return this.#playing !== null && this.frame < this.last && !this.#page.isHeld() && this.#page.isAwaited(this.frame + 1);
   }
 
   /** Starts at the frame in the page's address or, if there is none, at `otherwise`. */
@@ -65,7 +72,7 @@ export class Playback {
 
   /** Drops all pictures and resets the playback, for another recording with the frames `first` to `last`. */
   forget(first, last) {
-    [this.frame, this.shown, this.#playing, this.#peeked, this.followsNewest] = [null, null, null, null, true];
+    [this.frame, this.shown, this.#playing, this.#missing, this.#peeked, this.followsNewest] = [null, null, null, null, null, true];
     this.#pictures?.end();
     const isHere = () => pictures === this.#pictures;
     const pictures = new Pictures(this.#page.picture, (number) => isHere() && this.#came(number), (number, error) => isHere() && this.#missed(number, error));
@@ -158,6 +165,7 @@ export class Playback {
 
   // Handles a picture that failed to load. At a camera's newest frame that is no error: the next picture follows soon.
   #missed(number, error) {
+    this.#missing = number;
     if (number === this.frame && !(this.#page.isLive() && this.followsNewest)) {
       this.#page.failed(error);
     }
@@ -170,7 +178,7 @@ export class Playback {
     }
   }
 
-  // Shows each frame when it is due. If its picture is late, playback slows down and skips no frame.
+  // Shows each frame when it is due. If its picture or an awaited answer is late, playback slows down and skips no frame.
   #tick(now) {
     if (this.#playing === null) {
       return;
@@ -178,7 +186,7 @@ export class Playback {
     requestAnimationFrame((later) => this.#tick(later));
     const isDue = () => now >= this.#playing.since + (1000 * this.#duration(this.#playing.frame, this.frame + 1)) / this.#page.speed();
     const isHeld = this.#page.isHeld();
-    while (!isHeld && this.frame < this.last && isDue() && this.pictureOf(this.frame + 1) !== undefined) {
+    while (!isHeld && this.frame < this.last && isDue() && this.pictureOf(this.frame + 1) !== undefined && !this.isWaiting) {
       this.goTo(this.frame + 1);
     }
     if (isHeld || (this.frame < this.last && isDue())) {

@@ -15,6 +15,7 @@ export class VideoFile {
   constructor(file, page) {
     [this.#file, this.#page] = [file, page];
     [this.name, this.words] = [file.name, quoted(file.name)];
+    this.key = `${file.name} ${file.size} ${file.lastModified}`;
   }
 
   /** Opens the file. Throws an error with the reason in one line if it cannot be played. */

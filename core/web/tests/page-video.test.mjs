@@ -141,6 +141,8 @@ for (const [how, width, scheme] of [["drag", 1280, "light"], ["swipe", 390, "dar
     const corrected = await page.value(NUMBER);
     await page.click("#targets li:first-child input[type=radio]");
     await dragBox(page, { x: 120, y: 20, width: 32, height: 30 }, how);
+    await page.until(`!document.getElementById("asked").hidden`);
+    await page.click("#correct");
     await page.until(`document.getElementById("track").textContent.includes("--init target1=120,20,32,30@${corrected}")`);
     await followed(page);
     const inits = ["--init", `target1=${BOX}`, "--init", `target1=120,20,32,30@${corrected}`, "--init", `target2=100,60,30,30@${place}`];

@@ -104,6 +104,8 @@ onPage("other settings follow the targets anew, and what is undone is followed a
   const next = await page.value(NUMBER);
   await page.click("#trail");
   await dragBox(page, { x: 100, y: 160, width: 30, height: 30 });
+  await page.until(`!document.getElementById("asked").hidden`);
+  await page.click("#correct");
   await page.until(`document.getElementById("track").textContent.includes("100,160,30,30@${next}")`);
   await page.select("reach", "6");
   await page.select("sweep", "0");
@@ -132,6 +134,38 @@ onPage("a box of 0x0, one that is refused, a removed target", async (page) => {
   await page.until(`document.getElementById("said").textContent === "The box has no pixels: drag from one corner to the other."`);
   await page.click("#targets button");
   await page.until(`document.querySelectorAll("#targets li").length === 0 && document.querySelectorAll("#files button:disabled").length === 3`);
+});
+
+onPage("work is not lost: the page asks before it is left, and a source that is opened again has its boxes", async (page) => {
+  await pausedAt(page, 4);
+  await page.click("#plays");
+  const loaded = page.next("Page.loadEventFired");
+  await page.call("Page.reload");
+  await loaded;
+  await page.until(STARTED);
+  await pausedAt(page, 4);
+  await page.click("#plays");
+  await page.click("#add");
+  await dragBox(page, { x: 40, y: 80, width: 20, height: 20 });
+  await page.until(`document.getElementById("track").textContent.includes("target2=40,80,20,20@")`);
+  const asked = page.next("Page.javascriptDialogOpening");
+  await page.call("Page.reload");
+  assert.equal((await asked).type, "beforeunload");
+  await page.call("Page.handleJavaScriptDialog", { accept: false });
+  await page.click("#camera");
+  await page.until(`document.getElementById("name").textContent === "camera"`);
+  await page.click("#built-in");
+  await page.until(`document.getElementById("track").textContent.includes("target2=40,80,20,20@")`);
+});
+
+onPage("a dropped file that is no video says where it belongs", async (page) => {
+  await page.value(`{
+    const data = new DataTransfer();
+    data.items.add(new File(["frame,x,y,width,height\\n1,2,3,4,5\\n"], "boxes.csv", { type: "text/csv" }));
+    document.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
+  }`);
+  await page.until(`document.getElementById("said").textContent === "boxes.csv is text, not a video: boxes are read by host-sim view VIDEO --boxes boxes.csv"`);
+  assert.equal(await page.text("name"), "street");
 });
 
 onPage("without WebAssembly there is one clear line", async (page) => {

@@ -94,6 +94,13 @@ async function dragBox(page, [x, y, width, height], how = "drag") {
   await page[how](await place(page, x, y), await place(page, x + width, y + height));
 }
 
+/** Draws a box beside the chosen target's, and answers that it is a correction. */
+async function correct(page, box) {
+  await dragBox(page, box);
+  await says(page, "asked", /^This box hardly overlaps/);
+  await page.click("#correct");
+}
+
 const command = (page) => page.text("track");
 const commands = (page, pattern) => page.until(`${pattern}.test(document.getElementById("track").textContent)`);
 const says = (page, id, pattern) => page.until(`${pattern}.test(document.getElementById("${id}").textContent) && !document.getElementById("${id}").hidden`);
@@ -164,7 +171,7 @@ onWindow("a drag in a later frame is a correction, which is moved, resized, remo
   await page.click("#plays");
   await dragBox(page, BOX);
   await goTo(page, 50);
-  await dragBox(page, [60, 40, 30, 30]);
+  await correct(page, [60, 40, 30, 30]);
   await commands(page, /--init 36,24,24,28 --init 60,40,30,30@50/);
   await page.drag(await place(page, 75, 55), await place(page, 80, 58));
   await commands(page, /@50/);
@@ -265,7 +272,7 @@ onWindow("a box is moved and resized by keys and at its edges, stays inside, and
   await keys(page, ["Enter"], ["ArrowLeft", { shift: true }], ["ArrowDown", { alt: true, shift: true }], ["Enter"]);
   await commands(page, /--init 119,47,37,33 --method/);
   await keys(page, ["Enter"], ["ArrowLeft"], ["Escape"], ["Enter"], ...Array(30).fill(["ArrowRight"]), ...Array(30).fill(["ArrowUp", { shift: true }]), ["Enter"]);
-  await says(page, "asked", /This box has 37x1 pixels, and the last one of target1 37x33/);
+  await says(page, "asked", /This box has 37x1 pixels, and that of target1 37x33/);
   assert.match(await command(page), /--init 119,47,37,33 --method/);
   await page.click("#drop");
   await keys(page, ["Enter"], ...Array(30).fill(["ArrowRight"]), ...Array(30).fill(["ArrowUp", { shift: true }]), ["Enter"], ["Enter"]);
@@ -365,10 +372,150 @@ onWindow("a box that is refused is taken back, and why is said", async (page) =>
   await commands(page, /28 --method/);
   await page.value(`{ const ask = fetch; window.fetch = (address, ...of) => (address === "targets" ? Promise.resolve(new Response("not this one", { status: 400 })) : ask(address, ...of)); }`);
   await goTo(page, 30);
-  await dragBox(page, [60, 40, 30, 30]);
+  await correct(page, [60, 40, 30, 30]);
   await says(page, "said", /^not this one$/);
   await commands(page, /--init 36,24,24,28 --method robust$/);
   await page.until(`document.getElementById("redo").disabled`);
+});
+
+// Sets up `fetch` so that answers from frame `held.from` on are kept back, as if the trackers were slow.
+const SLOW = `{
+  const ask = fetch;
+  window.held = { from: 30 };
+  window.fetch = async (address, ...of) => {
+    const answer = await ask(address, ...of);
+    if (!String(address).startsWith("news")) {
+      return answer;
+    }
+    const news = await answer.json();
+    if (held.from !== null) {
+      news.rows = news.rows.filter(([, frame]) => frame < held.from);
+    }
+    return Response.json(news);
+  };
+}`;
+
+onWindow("playing waits for the answers of the chosen target, and goes on with them", async (page) => {
+  await dragBox(page, BOX);
+  await page.until(`document.getElementById("loading").textContent === "Waiting for target1 in frame 30" && !document.getElementById("loading").hidden`);
+  await isAt(page, 29);
+  await new Promise((resolve) => setTimeout(resolve, 300));
+  await isAt(page, 29);
+  await page.value(`held.from = null`);
+  await page.select("reach", "6"); // host-sim follows anew, and its news bring the answers
+  await page.until(`Number(document.getElementById("place").value.split(" ")[1]) > 40`);
+}, { prepare: SLOW });
+
+onWindow("a redo and a rename later, a new target has an id and boxes of its own, and after a restart, too", async (page, { server }) => {
+  await page.click("#plays");
+  await dragBox(page, BOX);
+  await page.call("Input.dispatchKeyEvent", { type: "keyDown", key: "z", code: "KeyZ", modifiers: 2, windowsVirtualKeyCode: 90 });
+  await page.until(`document.getElementById("track").textContent === "Drag a box first."`);
+  await page.call("Input.dispatchKeyEvent", { type: "keyDown", key: "Z", code: "KeyZ", modifiers: 10, windowsVirtualKeyCode: 90 });
+  await commands(page, /--init 36,24,24,28 --method/);
+  await page.value(`{ const field = document.querySelector("#targets [type=text]"); field.value = "ship"; field.dispatchEvent(new Event("change")); }`);
+  await page.click("#add");
+  await dragBox(page, [100, 60, 30, 30]);
+  await commands(page, /--init ship=36,24,24,28 --init target2=100,60,30,30 --method/);
+  await followedAll(page);
+  const ids = () => page.value(`fetch("source").then((answer) => answer.json()).then(({ targets }) => targets.map(({ id }) => id))`);
+  assert.deepEqual(await ids(), [1, 2]);
+  const rows = parsed(await boxes(page, "json")).filter(({ frame }) => frame === 1);
+  assert.deepEqual(rows.map(({ target, box }) => [target, box.x]), [["ship", 36], ["target2", 100]]);
+  await page.click("#targets li:last-child button");
+  await commands(page, /--init ship=36,24,24,28 --method/);
+  await page.until(`fetch("source").then((answer) => answer.json()).then(({ targets }) => targets.length === 1)`);
+  page.requests.length = 0;
+  server.kill();
+  await says(page, "said", /^host-sim has ended: what was drawn is kept in clip.y4m.smr.json/);
+  page.errors.length = 0; // of requests that host-sim does not answer any more
+  const again = await served(["clip.y4m"]);
+  const other = await browser.page(again.address);
+  await other.until(`document.getElementById("track")?.textContent.includes("36,24,24,28")`);
+  await isAt(other, 1);
+  await other.click("#plays");
+  await other.click("#add");
+  await dragBox(other, [100, 60, 30, 30]);
+  await commands(other, /--init ship=36,24,24,28 --init target3=100,60,30,30/);
+  await other.close();
+  again.server.kill();
+});
+
+onWindow("a box on something else asks what it is for, and undo takes the question back first", async (page) => {
+  await page.click("#plays");
+  await dragBox(page, BOX);
+  await followedAll(page);
+  await goTo(page, 40);
+  const before = await command(page);
+  await dragBox(page, [120, 80, 30, 30]);
+  await says(page, "asked", /This box hardly overlaps that of target1\.\s*New target\s*Correct target1\s*Drop it/);
+  await shoot(page, "asked", 1280);
+  await page.call("Input.dispatchKeyEvent", { type: "keyDown", key: "z", code: "KeyZ", modifiers: 2, windowsVirtualKeyCode: 90 });
+  await page.until(`document.getElementById("asked").hidden`);
+  assert.equal(await command(page), before);
+  await dragBox(page, [120, 80, 30, 30]);
+  await says(page, "asked", /hardly overlaps/);
+  await page.click("#asked button");
+  await commands(page, /--init target1=36,24,24,28 --init target2=120,80,30,30@40 --method/);
+  await page.click("#undo");
+  await commands(page, /--init 36,24,24,28 --method/);
+  await dragBox(page, [120, 80, 30, 30]);
+  await says(page, "asked", /hardly overlaps/);
+  await page.click("#correct");
+  await commands(page, /--init 36,24,24,28 --init 120,80,30,30@40 --method/);
+  // A pulled box is compared with the box that it was.
+  const corner = await place(page, 150, 110);
+  await page.drag(corner, await place(page, 130, 90));
+  await says(page, "asked", /This box has 10x10 pixels, and that of target1 30x30\.\s*Correct target1\s*New target\s*Drop it/);
+  await page.key("Escape");
+  await page.until(`document.getElementById("asked").hidden`);
+  await page.drag(corner, await place(page, 140, 100));
+  await commands(page, /--init 120,80,20,20@40 --method/);
+});
+
+onWindow("esc closes the help and the menu, and ? opens the help", async (page) => {
+  const help = `document.getElementById("help").matches(":popover-open")`;
+  await page.key("?");
+  await page.until(help);
+  await page.key("Escape");
+  await page.until(`!${help}`);
+  await page.click("[popovertarget]");
+  await page.until(help);
+  await page.value(`document.getElementById("go").focus()`);
+  await page.key("Escape");
+  await page.until(`!${help}`);
+  await page.value(`document.getElementById("export").open = true; document.querySelector("#files button")?.focus()`);
+  await page.key("Escape");
+  await page.until(`!document.getElementById("export").open`);
+});
+
+const dropped = (page, name, type, content) => page.value(`{
+  const data = new DataTransfer();
+  data.items.add(new File([${content}], ${JSON.stringify(name)}, { type: ${JSON.stringify(type)} }));
+  document.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
+}`);
+
+onWindow("a dropped recording says where it belongs, a message ends with the next step, and events follow the frame", async (page) => {
+  await page.click("#plays");
+  await dropped(page, "my clip.mp4", "video/mp4", "new Uint8Array(99)");
+  await says(page, "said", /^my clip\.mp4 has pictures, not boxes: .* host-sim view 'my clip\.mp4'$/);
+  await page.key("ArrowRight");
+  await page.until(`document.getElementById("said").hidden`);
+  await dropped(page, "no-type", "", "new Uint8Array([0, 0, 1, 0xba])");
+  await says(page, "said", /^no-type has pictures/);
+  await dropped(page, "cars.csv", "text/csv", `"frame,x,y\\n"`);
+  await says(page, "said", /cars\.csv: line 1: there is no column/);
+  page.errors.length = 0; // of the refused request
+  await dropped(page, "cars.csv", "text/csv", `"frame,x,y,width,height,target\\n" + Array.from({ length: 30 }, (_, at) => [8 * at + 1, 36, 24, 24, 28, "car"]).join("\\n")`);
+  await page.until(`document.querySelectorAll("#events li").length >= 30`);
+  for (const key of ["End", "Home"]) {
+    await page.key(key);
+    await page.until(`(() => {
+      const [list, now] = [document.getElementById("events"), document.querySelector("#events [aria-current]")];
+      const [outer, inner] = [list.getBoundingClientRect(), now?.getBoundingClientRect()];
+      return now === list.${key === "End" ? "lastElementChild" : "firstElementChild"}.firstElementChild && inner.top >= outer.top - 1 && inner.bottom <= outer.bottom + 1;
+    })()`);
+  }
 });
 
 onWindow("boxes are saved, in a format that has names if there are several targets", async (page) => {
@@ -467,6 +614,13 @@ test("when host-sim has ended, the window says so; opened again, it shows what w
   const left = await settled(page, `parseInt(document.getElementById("place").value.split(" ")[1])`);
   await page.until(`fetch("source").then((answer) => answer.json()).then(({ frame }) => frame === ${left})`);
   server.kill();
+  await says(page, "said", /^host-sim has ended: what was drawn is kept in clip.y4m.smr.json/);
+  for (const act of ["#on", "#undo", "#back", "#files button"]) {
+    await page.click(act);
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+  await page.key("ArrowRight");
+  await new Promise((resolve) => setTimeout(resolve, 300));
   await says(page, "said", /^host-sim has ended: what was drawn is kept in clip.y4m.smr.json/);
   assert.match(await command(page), /36,24,24,28/);
   await page.close();

@@ -10,21 +10,13 @@ pub(crate) const BLACK: Color = [0; 3];
 pub(crate) const PAPER: Color = [24; 3];
 pub(crate) const GRID: Color = [90; 3];
 
-// Box colors in a video of one target: tracking is green, uncertain or leaving is amber, lost is red.
-pub const GREEN: Color = [40, 230, 100];
-pub const AMBER: Color = [255, 190, 0];
-pub const RED: Color = [255, 70, 60];
-/// Box colors in a video of several targets, by target index; they repeat after the last.
-pub const TARGETS: [Color; 8] = [
-    [0, 200, 255],
-    [255, 120, 220],
-    [255, 225, 60],
-    [120, 255, 120],
-    [255, 150, 60],
-    [170, 150, 255],
-    [60, 255, 220],
-    [255, 110, 110],
-];
+/// Box colors of targets, as in the window and the page: `build.rs` reads them from the front end's colors.js.
+const TARGETS: &[Color] = include!(concat!(env!("OUT_DIR"), "/targets.rs"));
+
+/// Returns the color of the target `id`. Ids begin at 1.
+pub const fn of_target(id: usize) -> Color {
+    TARGETS[id.saturating_sub(1) % TARGETS.len()]
+}
 
 pub const TRUTH: Color = [0, 230, 90];
 
@@ -34,5 +26,24 @@ pub const fn color_of(state: State) -> Color {
         State::Tracking => [150, 160, 170],
         State::Leaving | State::Uncertain => [240, 170, 0],
         State::Lost => [190, 100, 255],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn window_page_and_video_have_one_palette() {
+        let css = |name: &str, [red, green, blue]: Color| format!("--{name}: rgb({red} {green} {blue})");
+        for (name, state) in [("leaving", State::Leaving), ("lost", State::Lost)] {
+            assert!(crate::front_end::STYLES[1].contains(&css(name, color_of(state))), "{name} in the dark");
+        }
+        let targets = crate::front_end::module("colors.js").unwrap();
+        assert_eq!(TARGETS.len(), 8);
+        for (at, [red, green, blue]) in TARGETS.iter().enumerate() {
+            assert!(targets.contains(&format!("\"#{red:02x}{green:02x}{blue:02x}\"")), "{at}");
+        }
+        assert_eq!((of_target(1), of_target(9)), ([0xFF, 0x6E, 0xC7], of_target(1)));
     }
 }

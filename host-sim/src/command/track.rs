@@ -48,13 +48,16 @@ pub struct Track {
     out: Option<PathBuf>,
     /// Also draw the boxes over the frames: .mp4, .mov, .mkv or .webm (they need ffmpeg), or a new folder for PNG pictures
     ///
-    /// The box is green while the target is tracking, amber while uncertain or leaving, and red, at the last position, while lost. Several
-    /// targets have a color and a name each, and dashed boxes while not tracking. Ground truth is white. The text in the picture is the
-    /// frame number, the state, and the confidence in hundredths. The video keeps the recording's colors and, if the recording is a video,
+    /// Each target's box has the target's color in `view`, and is dashed while the target is uncertain, leaving or, at its last position,
+    /// lost. Ground truth is white. The text in the picture is the frame number and, of a single target, the state and the confidence in
+    /// hundredths; names and states of several targets stand at their boxes. The video keeps the recording's colors and, if the recording is a video,
     /// frame times and sound. On a terminal host-sim prints only when a target is lost or found. If the reader of the printed boxes ends
     /// (`| head`), host-sim still finishes the video.
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
+    /// The ids of the targets in the window of `view`, which orders the video: they select the colors
+    #[arg(long, hide = true, value_delimiter = ',')]
+    ids: Vec<usize>,
     #[command(flatten)]
     recording: RecordingOptions,
     #[command(flatten)]
@@ -161,7 +164,7 @@ impl Track {
     fn film(&self, out: &Path, sequence: &mut Sequence) -> Result<Film> {
         let (patience, number) = (self.recording.ffmpeg_patience(), sequence.first);
         let plan = Plan { sound: sequence.source.video().map(Path::to_owned), number, patience };
-        Film::create(out, plan, sequence.truth.take().unwrap_or_default())
+        Film::create(out, plan, sequence.truth.take().unwrap_or_default(), &self.ids)
     }
 }
 

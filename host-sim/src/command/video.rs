@@ -3,7 +3,7 @@
 use anyhow::Result;
 use smr_core::State;
 use smr_evaluation::{Report, name_of};
-use smr_pages::colors::{AMBER, GREEN, RED, TARGETS, WHITE};
+use smr_pages::colors::{Color, WHITE, color_of, of_target};
 use smr_pages::export::{self, Overlay, Plan};
 use smr_recordings::{BoundingBox, Frame};
 use std::path::Path;
@@ -11,6 +11,8 @@ use std::path::Path;
 pub struct Film {
     film: export::Film,
     truth: std::vec::IntoIter<Option<BoundingBox>>,
+    /// Id of each target, which selects its color; 1, 2, ... if the list is shorter.
+    ids: Vec<usize>,
     /// Last known box of each target.
     lasts: Vec<Option<BoundingBox>>,
 }
@@ -23,12 +25,13 @@ pub struct Shown<'a> {
 
 impl Film {
     /// Creates the video. `truth` has the ground-truth box of each frame, if there is any.
-    pub fn create(out: &Path, plan: Plan, truth: Vec<Option<BoundingBox>>) -> Result<Self> {
-        Ok(Self { film: export::Film::create(out, plan)?, truth: truth.into_iter(), lasts: Vec::new() })
+    pub fn create(out: &Path, plan: Plan, truth: Vec<Option<BoundingBox>>, ids: &[usize]) -> Result<Self> {
+        let film = export::Film::create(out, plan)?;
+        Ok(Self { film, truth: truth.into_iter(), ids: ids.to_vec(), lasts: Vec::new() })
     }
 
-    /// Draws the ground truth in white. The box of a single target has the color of the target's state; with several
-    /// targets, the box of each has the target's own color.
+    /// Draws the ground truth in white, and each target's box in the target's color: dashed while it is not tracking.
+    /// The state of a single target stands beside the frame number, those of several at their boxes.
     pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
         let (number, moment) = (frame.number, frame.moment);
         let mut overlay = Overlay::new(frame.color.unwrap_or_else(|| (&frame.gray).into()));
@@ -39,43 +42,42 @@ impl Film {
         for (last, shown) in self.lasts.iter_mut().zip(targets) {
             *last = shown.report.and_then(|report| report.target).or(*last);
         }
-        match targets {
-            [Shown { report: Some(report), name }] => self.draw_only(&mut overlay, number, report, *name),
-            _ => self.draw_all(&mut overlay, number, targets),
-        }
+        self.draw(&mut overlay, targets);
+        let (words, color) = match targets {
+            [Shown { report: Some(report), name }] => described(report, *name),
+            _ => (String::new(), WHITE),
+        };
+        overlay.label(&format!("{number}{words}"), color);
         self.film.frame(&overlay, moment)
     }
 
-    fn draw_only(&self, overlay: &mut Overlay, number: usize, report: &Report, name: Option<&str>) {
-        let color = match report.state {
-            State::Tracking => GREEN,
-            State::Leaving | State::Uncertain => AMBER,
-            State::Lost => RED,
-        };
-        if let Some(last) = self.lasts[0] {
-            overlay.outline(&last, color);
-        }
-        let name = name.map_or(String::new(), |name| format!("{name} "));
-        let confidence = report.evidence.map(|evidence| format!(" {:.0}", evidence.confidence * 100.0));
-        let state = name_of(report.state);
-        overlay.label(&format!("{number} {name}{state}{}", confidence.unwrap_or_default()), color);
-    }
-
-    fn draw_all(&self, overlay: &mut Overlay, number: usize, targets: &[Shown<'_>]) {
-        for ((shown, last), &color) in targets.iter().zip(&self.lasts).zip(TARGETS.iter().cycle()) {
-            let (Some(report), Some(last), name) = (&shown.report, last, shown.name.unwrap_or("")) else { continue };
-            if report.state == State::Tracking {
+    fn draw(&self, overlay: &mut Overlay, targets: &[Shown<'_>]) {
+        let is_only = targets.len() == 1;
+        for (at, (shown, last)) in targets.iter().zip(&self.lasts).enumerate() {
+            let (Some(Report { state, .. }), Some(last)) = (shown.report, last) else { continue };
+            let color = of_target(self.ids.get(at).copied().unwrap_or(at + 1));
+            let is_tracking = state == State::Tracking;
+            if is_tracking {
                 overlay.outline(last, color);
-                overlay.label_box(last, name, color);
             } else {
                 overlay.dashed_outline(last, color);
-                overlay.label_box(last, &format!("{name} {}", name_of(report.state)), color);
+            }
+            if !is_only {
+                let name = shown.name.unwrap_or("");
+                let words = if is_tracking { name.to_owned() } else { format!("{name} {}", name_of(state)) };
+                overlay.label_box(last, &words, color);
             }
         }
-        overlay.label(&number.to_string(), WHITE);
     }
 
     pub fn finish(self) -> Result<()> {
         self.film.finish()
     }
+}
+
+fn described(report: &Report, name: Option<&str>) -> (String, Color) {
+    let name = name.map_or(String::new(), |name| format!("{name} "));
+    let confidence = report.evidence.map(|evidence| format!(" {:.0}", evidence.confidence * 100.0));
+    let color = if report.state == State::Tracking { WHITE } else { color_of(report.state) };
+    (format!(" {name}{}{}", name_of(report.state), confidence.unwrap_or_default()), color)
 }

@@ -307,8 +307,12 @@ impl Requests for Desk {
         }
         let Variant { kind, options, .. } = followed.variant();
         let is_report = ending == "html";
-        let (command, out) =
-            if is_report { ("report", &["--out"][..]) } else { ("track", &["--format", "csv", "--video"][..]) };
+        let ids = targets.iter().map(|target| target.id.to_string()).collect::<Vec<_>>().join(",");
+        let (command, out) = if is_report {
+            ("report", vec!["--out"])
+        } else {
+            ("track", vec!["--ids", &ids, "--format", "csv", "--video"])
+        };
         let words = [
             vec![command.into()],
             self.words.clone(),

@@ -165,7 +165,10 @@ impl DrawTarget for Overlay {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colors::{GREEN, RED, WHITE};
+    use crate::colors::{WHITE, of_target};
+
+    const GREEN: Color = of_target(4);
+    const RED: Color = of_target(6);
 
     fn plain() -> Overlay {
         Overlay::new(ColorFrame { width: 20, height: 16, pixels: vec![[100; 3]; 320] })

@@ -173,7 +173,7 @@ fn microseconds(seconds: f64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colors::GREEN;
+    use crate::colors::of_target;
     use smr_recordings::{BoundingBox, GrayFrame, decode_colors};
     use std::fs;
 
@@ -186,7 +186,8 @@ mod tests {
         (0..3u8).map(|step| {
             let pixels = (0..61 * 43).map(|at: u32| at.to_le_bytes()[0] / 2).collect();
             let mut overlay = Overlay::new((&GrayFrame { width: 61, height: 43, pixels }).into());
-            overlay.outline(&BoundingBox { x: f64::from(step) + 10.0, y: 15.0, width: 20.0, height: 12.0 }, GREEN);
+            overlay
+                .outline(&BoundingBox { x: f64::from(step) + 10.0, y: 15.0, width: 20.0, height: 12.0 }, of_target(1));
             overlay
         })
     }

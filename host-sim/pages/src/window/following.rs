@@ -510,6 +510,19 @@ impl Followed {
         (open.or_else(done).unwrap_or(0).min(last), at)
     }
 
+    /// Returns the segments whose answers ended early: target, frame of the lock, first frame without an answer. They go
+    /// on after a change of the targets or the method at the earliest.
+    pub(super) fn silent(&self) -> Vec<(u32, usize, usize)> {
+        let state = self.state();
+        let ends = |(key, end): (Key, usize)| {
+            let segment = state.segments.get(&key)?;
+            let next = segment.next();
+            let is_whole = next == end || state.end.is_some_and(|last| next == last + 1);
+            ((segment.failed || segment.starved) && !is_whole).then_some((key.target, key.lock.0, next))
+        };
+        state.plan().filter_map(ends).collect()
+    }
+
     /// Returns the last frame before damaged data, for the option `--frames`; `None` if no damage is known, the first
     /// frame is damaged, or a frame after the last intact one has a lock.
     pub fn last_intact(&self) -> Option<usize> {

@@ -161,10 +161,10 @@ impl Window {
     }
 
     fn keep(&self) {
+        let (variant, targets) = (self.followed.variant(), self.followed.targets());
+        self.session.ids(&targets);
         self.log_message(self.session.keep(|work| {
-            let variant = self.followed.variant();
-            (work.method, work.options) = (variant.kind.name().to_owned(), variant.options);
-            work.targets = self.followed.targets();
+            (work.method, work.options, work.targets) = (variant.kind.name().to_owned(), variant.options, targets);
         }));
     }
 
@@ -187,6 +187,7 @@ impl Window {
         let (targets, revision) = self.followed.revision();
         let offer = |format: &Format| json!({ "name": choice_name(format), "several": format.has_names() });
         let origin = serde_json::to_value(variant.origin()).unwrap_or_default();
+        let ids = self.session.ids(&targets);
         json!({
             "name": self.name,
             "live": self.source.live().is_some(),
@@ -202,6 +203,7 @@ impl Window {
             "words": self.words(),
             "targets": targets,
             "revision": revision,
+            "ids": ids,
             "formats": Format::value_variants().iter().map(offer).collect::<Value>(),
             "films": self.films,
             "session": self.session.name(),
@@ -232,6 +234,7 @@ impl Window {
             "rows": rows.iter().map(row_json).collect::<Vec<_>>(),
             "changed": changed.iter().map(told).collect::<Vec<_>>(),
             "followed": followed,
+            "silent": self.followed.silent(),
             "session": self.session.name(),
             "progress": at.map(|(frame, rate)| json!({ "frame": frame, "rate": rate })),
         });
@@ -240,6 +243,7 @@ impl Window {
         }
         if let Some((targets, revision)) = &targets {
             (news["targets"], news["revision"]) = (json!(targets), json!(revision));
+            news["ids"] = json!(self.session.ids(targets));
         }
         if frames || targets.is_some() {
             news["words"] = json!(self.words());

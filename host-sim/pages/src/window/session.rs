@@ -20,13 +20,16 @@ pub struct Work {
     pub method: String,
     pub options: Map<String, Value>,
     pub targets: Vec<Target>,
+    /// Largest id that a target ever had, so that none is given twice; 0 in sessions of former versions.
+    #[serde(default)]
+    ids: u32,
     pub frame: Option<usize>,
 }
 
 impl Work {
     pub fn new(recording: &str) -> Self {
         let (recording, method, options) = (recording.to_owned(), String::new(), Map::new());
-        Self { smr_session: VERSION, recording, method, options, targets: Vec::new(), frame: None }
+        Self { smr_session: VERSION, recording, method, options, targets: Vec::new(), ids: 0, frame: None }
     }
 }
 
@@ -70,6 +73,13 @@ impl Session {
 
     pub(super) fn frame(&self) -> Option<usize> {
         lock(&self.kept).work.frame
+    }
+
+    /// Returns the largest id that `targets` or any targets before them had.
+    pub(super) fn ids(&self, targets: &[Target]) -> u32 {
+        let mut kept = lock(&self.kept);
+        kept.work.ids = targets.iter().map(|target| target.id).fold(kept.work.ids, u32::max);
+        kept.work.ids
     }
 
     /// Stores the number of the shown frame, and saves it if the file is still as this window last read or wrote it.
@@ -160,8 +170,10 @@ mod tests {
         let (first, work) = open();
         assert_eq!((work, first.shows(7), names(folder.path()).len()), (None, None, 0));
         assert_eq!(first.keep(|work| work.targets = vec![car.clone()]), None);
+        let ids = first.ids(std::slice::from_ref(&car));
+        assert_eq!((ids, first.ids(&[])), (4, 4), "a target that is removed keeps its id");
         assert_eq!(first.shows(8), None);
-        let expected = Work { targets: vec![car], frame: Some(8), ..Work::new("a") };
+        let expected = Work { targets: vec![car], ids, frame: Some(8), ..Work::new("a") };
         let (second, work) = open();
         assert_eq!((work.as_ref(), second.frame(), names(folder.path()).len()), (Some(&expected), Some(8), 1));
         second.leave_aside();

@@ -254,8 +254,10 @@ fn a_box_that_is_refused_and_damage_are_said_and_concern_only_who_waited() {
     assert_eq!(said[1], "frame 21 is damaged");
     assert_eq!((answered(&running, 0).len(), answered(&running, 1).len()), (0, 20));
     assert_eq!((running.frames(), running.followed.reached(None)), (Some(FRAMES), (20, None)));
+    assert_eq!(running.followed.silent(), [(1, 1, 1), (2, 1, 21)]);
     running.set(vec![target(2, &[1, 30])]);
     assert_eq!(answered(&running, 0).len(), 20 + FRAMES - 29);
+    assert_eq!(running.followed.silent(), [(2, 1, 21)], "the answers from frame 30 on are whole");
 }
 
 #[test]
