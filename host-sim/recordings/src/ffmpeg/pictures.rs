@@ -110,6 +110,8 @@ pub(crate) struct Pictures {
     decoded: usize,
     /// True if the file goes on behind the part that is read, because a checksum is wrong there.
     is_cut: bool,
+    /// True if only the first packets are decoded.
+    is_first_part: bool,
     end: Option<End>,
 }
 
@@ -188,7 +190,8 @@ impl Pictures {
             held: VecDeque::new(),
             holds: if is_lenient { 0 } else { HELD },
             decoded: 0,
-            is_cut: input.end.is_some() && !matches!(part, Part::Packets(..usize::MAX)),
+            is_cut: input.end.is_some(),
+            is_first_part: matches!(part, Part::Packets(..usize::MAX)),
             end: None,
         })
     }
@@ -273,6 +276,10 @@ impl Pictures {
         let is_doubted = self.decoder.complaints > self.allowed;
         if is_doubted || !self.decoder.succeeded()? || self.decoder.complaints > self.allowed {
             return Ok(self.doubt(self.decoder.words()));
+        }
+        // A copier of the first packets may end in the middle of the next one.
+        if self.is_first_part {
+            return Ok(End::Whole);
         }
         if let Some(copier) = &mut self.copier
             && !copier.succeeded()?

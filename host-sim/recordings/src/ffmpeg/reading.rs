@@ -4,9 +4,8 @@
 //! decoded, are no damage.
 
 use super::facts::{EXPECTED, Video};
-use super::packets::{CORRUPT, DISCARDED, Packets};
-use super::pictures::{End, FROM_ZERO, MAX_TIME_JUMP, Part, Picture, Pictures, Use};
-use super::search;
+use super::pictures::{End, Part, Picture, Pictures, Use};
+use super::search::{self, List, Whole};
 use crate::damage::damaged;
 use anyhow::{Context, Error, Result, anyhow};
 use std::path::Path;
@@ -17,8 +16,8 @@ const MARGIN: usize = 2;
 
 const ALL_PACKETS: Part = Part::Packets(usize::MAX);
 
-/// Largest number of packets between a packet that is marked as damaged and a join that is the reason for the mark.
-const JOIN: usize = 2;
+/// Number of pictures by which the runs of one file differ, where nothing tells the damaged packet.
+const SPREAD: usize = 16;
 
 /// Time error in seconds from which a seek is a miss; rounding to milliseconds alone causes errors of up to 0.0005 s.
 const SEEK_TOLERANCE: f64 = 0.0006;
@@ -45,6 +44,8 @@ pub(crate) struct Reading {
 struct Doubt {
     /// Number of whole pictures before the damage.
     whole: usize,
+    /// Number of whole pictures that every run finds.
+    advised: usize,
     words: String,
 }
 
@@ -128,7 +129,7 @@ impl Reading {
                     }
                 }
                 // Directly, ffmpeg itself ends at a packet that is marked as damaged.
-                _ if self.part == ALL_PACKETS && !self.is_checked => match self.doubtful_packet()? {
+                _ if self.part == ALL_PACKETS && !self.is_checked => match List::of(&self.video)?.doubt() {
                     Some(packet) => self.doubt_after(packet, "a packet is damaged".to_owned())?,
                     None => self.is_checked = true,
                 },
@@ -146,9 +147,11 @@ impl Reading {
     /// Searches the last whole picture, and goes on up to it. Before a doubt, `decoded` pictures were decoded.
     fn doubt_after(&mut self, decoded: usize, words: String) -> Result<()> {
         let is_file = self.video.input.file.is_file();
-        let whole = if is_file { search::whole_pictures(&self.video, decoded)? } else { decoded };
-        let whole = whole.saturating_sub(MARGIN);
-        self.doubt = Some(Doubt { whole, words });
+        let found =
+            if is_file { search::whole(&self.video, decoded)? } else { Whole { pictures: decoded, is_exact: false } };
+        let whole = found.pictures.saturating_sub(MARGIN);
+        let advised = if found.is_exact { whole } else { whole.saturating_sub(SPREAD) };
+        self.doubt = Some(Doubt { whole, advised, words });
         if self.taken < whole {
             self.go_on(Pictures::lenient(&self.video, self.wanted, self.part)?)?;
         }
@@ -176,7 +179,7 @@ impl Reading {
 
     /// True if another ffmpeg decodes copies of all packets without a doubt, into the same first picture.
     fn is_whole_by_packets(&mut self) -> Result<bool> {
-        if !self.video.input.file.is_file() || self.doubtful_packet()?.is_some() {
+        if !self.video.input.file.is_file() || !List::of(&self.video)?.is_plain() {
             return Ok(false);
         }
         let hash = self.hash.or_else(|| self.pictures.first_held());
@@ -187,36 +190,6 @@ impl Reading {
         }
         while pictures.next()?.is_some() {}
         Ok(pictures.end() == Some(&End::Whole) && pictures.decoded() >= self.taken)
-    }
-
-    /// Returns the number of packets before the first doubtful one: one that the container marks as damaged, except at
-    /// a join; or one that an edit list cuts, which copies would show; or of all packets, if ffmpeg complains while it
-    /// reads them.
-    fn doubtful_packet(&self) -> Result<Option<usize>> {
-        let Video { input, facts, .. } = &self.video;
-        let mut packets = Packets::of(input, &FROM_ZERO, &["-map", &format!("0:V:{}", facts.stream)])?;
-        let jump = facts
-            .base
-            .map_or(i64::MAX, |(unit, second)| i64::from(MAX_TIME_JUMP) * i64::from(second) / i64::from(unit));
-        let (mut count, mut corrupt, mut last) = (0, None, None);
-        while let Some(packet) = packets.next()? {
-            let is_join = packet.sent.zip(last).is_some_and(|(now, last)| now <= last || now - last > jump);
-            corrupt = corrupt.filter(|_| !is_join);
-            if let Some(number) = corrupt
-                && number + JOIN < count
-            {
-                return Ok(Some(number));
-            }
-            if packet.flags & DISCARDED != 0 {
-                return Ok(Some(count));
-            }
-            if packet.flags & CORRUPT != 0 {
-                corrupt.get_or_insert(count);
-            }
-            (count, last) = (count + 1, packet.sent.or(last));
-        }
-        let is_whole = packets.ffmpeg.succeeded()? && packets.ffmpeg.complaints <= facts.notes;
-        Ok(corrupt.or((!is_whole).then_some(count)))
     }
 }
 
@@ -233,7 +206,7 @@ impl Iterator for Reading {
         let number = self.taken + 1;
         let next = match self.next_whole() {
             Ok(Some(picture)) => return Some(Ok(picture)),
-            Ok(None) => self.doubt.take().map(|Doubt { whole, words }| self.damage(whole, &words)),
+            Ok(None) => self.doubt.take().map(|doubt| self.damage(doubt.advised, &doubt.words)),
             Err(error) => Some(error.context(format!("{}, frame {number}", self.video.input.name))),
         };
         self.is_over = true;

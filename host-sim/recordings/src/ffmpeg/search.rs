@@ -4,48 +4,113 @@
 //! search decodes copies of the first packets alone, and looks for the largest number that decodes without a doubt.
 
 use super::facts::Video;
-use super::packets::{DISCARDED, KEY, Packet, Packets};
-use super::pictures::{End, FROM_ZERO, Part, Pictures, Use};
+use super::packets::{CORRUPT, DISCARDED, KEY, Packet, Packets};
+use super::pictures::{End, FROM_ZERO, MAX_TIME_JUMP, Part, Pictures, Use};
 use anyhow::Result;
 
-/// Number of packets by which the search first goes on behind those that certainly decode.
+/// Number of packets by which the search first goes on behind those that certainly decode. ffmpeg's threads are fewer
+/// packets apart.
 const STEP: usize = 16;
 
-/// Returns the number of pictures that decode without a doubt; near `guess`, the search is short.
-pub(super) fn whole_pictures(video: &Video, guess: usize) -> Result<usize> {
-    let packets = listed(video)?;
-    let guess = guess.min(packets.len());
-    let (mut good, mut pictures) = (0, 0);
-    let mut bad = packets.len() + 1;
-    let mut step = STEP;
-    let mut next = guess;
+/// Largest number of packets between a packet that is marked as damaged and a join that is the reason for the mark.
+const JOIN: usize = 2;
+
+/// Packets of a video from the first key frame on, and what is doubtful about them before they are decoded.
+pub(super) struct List {
+    packets: Vec<Packet>,
+    /// Number of packets before the first that the container marks as damaged, except at a join.
+    corrupt: Option<usize>,
+    /// Number of packets before ffmpeg complains about the file, or ends too early.
+    complaint: Option<usize>,
+}
+
+impl List {
+    pub fn of(video: &Video) -> Result<Self> {
+        let Video { input, facts, .. } = video;
+        let mut rows = Packets::of(input, &FROM_ZERO, &["-map", &format!("0:V:{}", facts.stream)])?;
+        let (mut packets, mut complaint) = (Vec::new(), None);
+        while let Some(packet) = rows.next()? {
+            if rows.ffmpeg.complaints > facts.notes {
+                complaint.get_or_insert(packets.len());
+            }
+            if !packets.is_empty() || packet.flags & KEY != 0 {
+                packets.push(packet);
+            }
+        }
+        if !rows.ffmpeg.succeeded()? || rows.ffmpeg.complaints > facts.notes {
+            complaint.get_or_insert(packets.len());
+        }
+        let corrupt = corrupt(&packets, facts.base);
+        Ok(Self { packets, corrupt, complaint })
+    }
+
+    /// True if copies of the packets show the pictures that the file shows, and nothing is doubtful about them.
+    pub fn is_plain(&self) -> bool {
+        let is_cut = |packet: &Packet| packet.flags & DISCARDED != 0;
+        self.doubt().is_none() && !self.packets.iter().any(is_cut)
+    }
+
+    /// Returns the number of packets before the first doubt.
+    pub fn doubt(&self) -> Option<usize> {
+        [self.corrupt, self.complaint].into_iter().flatten().min()
+    }
+
+    /// True if ffmpeg complains about the end of the file alone.
+    fn ends_too_early(&self) -> bool {
+        self.complaint.is_some_and(|complaint| complaint + STEP >= self.packets.len())
+    }
+}
+
+/// Number of whole pictures of a damaged recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Whole {
+    pub pictures: usize,
+    /// True if every run finds the same number.
+    pub is_exact: bool,
+}
+
+/// Searches the pictures that decode without a doubt. In the run that has failed, `decoded` did.
+pub(super) fn whole(video: &Video, decoded: usize) -> Result<Whole> {
+    let list = List::of(video)?;
+    let end = list.corrupt.unwrap_or(list.packets.len());
+    let (packets, pictures) = most_packets(video, decoded.min(end), end)?;
+    let pictures = pictures.min(in_order(&list.packets, packets));
+    let is_exact = packets < list.packets.len() || list.ends_too_early() || video.input.end.is_some();
+    Ok(Whole { pictures: if is_exact { pictures } else { pictures.min(decoded) }, is_exact })
+}
+
+/// Returns the largest number of packets, at most `end`, that decode without a doubt, and their number of pictures.
+fn most_packets(video: &Video, guess: usize, end: usize) -> Result<(usize, usize)> {
+    let (mut good, mut pictures, mut bad) = (0, 0, end + 1);
+    let (mut next, mut step) = (guess, STEP);
     while good + 1 < bad {
+        if next <= good || next >= bad {
+            next = good.midpoint(bad);
+        }
         match decoded(video, next)? {
             Some(count) => {
                 (good, pictures) = (next, count);
-                next = (good + step).min(packets.len());
+                next = (good + step).min(end);
                 step *= 2;
             }
             None => bad = next,
         }
-        if next >= bad || next == good {
-            next = good.midpoint(bad);
-        }
     }
-    Ok(pictures.min(in_order(&packets, good)))
+    Ok((good, pictures))
 }
 
-/// Returns the packets from the first key frame on.
-fn listed(video: &Video) -> Result<Vec<Packet>> {
-    let stream = format!("0:V:{}", video.facts.stream);
-    let mut packets = Packets::of(&video.input, &FROM_ZERO, &["-map", &stream])?;
-    let mut all = Vec::new();
-    while let Some(packet) = packets.next()? {
-        if !all.is_empty() || packet.flags & KEY != 0 {
-            all.push(packet);
-        }
-    }
-    Ok(all)
+/// Returns the number of packets before the first one that the container marks as damaged, except at a join.
+fn corrupt(packets: &[Packet], base: Option<(u32, u32)>) -> Option<usize> {
+    let jump = base.map_or(i64::MAX, |(unit, second)| i64::from(MAX_TIME_JUMP) * i64::from(second) / i64::from(unit));
+    let is_join = |pair: &[Packet]| {
+        let times = pair[0].sent.zip(pair[1].sent);
+        times.is_some_and(|(last, now)| now <= last || now.saturating_sub(last) > jump)
+    };
+    let is_marked = |&at: &usize| {
+        let behind = &packets[at..packets.len().min(at + JOIN + 1)];
+        packets[at].flags & CORRUPT != 0 && !behind.windows(2).any(is_join)
+    };
+    (0..packets.len()).find(is_marked)
 }
 
 /// Decodes the first packets alone. Returns the number of pictures, or `None` if a doubt arises.
@@ -77,5 +142,20 @@ mod tests {
         assert_eq!(counts, [0, 1, 1, 2, 4, 4, 5, 7]);
         let cut = Packet { flags: DISCARDED, ..packet(0) };
         assert_eq!(in_order(&[cut, packet(1), packet(2)], 2), 1);
+    }
+
+    #[test]
+    fn a_mark_at_a_join_is_no_damage() {
+        let packet = |sent, flags| Packet { stream: 0, sent: Some(sent), shown: None, size: 1, flags };
+        let packets = |times: [i64; 6]| {
+            let mut packets = times.map(|time| packet(time, 0));
+            packets[2].flags = CORRUPT;
+            packets
+        };
+        let found = |times| corrupt(&packets(times), Some((1, 10)));
+        assert_eq!(found([0, 1, 2, 3, 4, 5]), Some(2));
+        assert_eq!((found([0, 1, 2, 3, 0, 1]), found([0, 1, 2, 3, 3, 3])), (None, None));
+        assert_eq!((found([0, 1, 2, 3, 4, 0]), found([0, 1, 2, 500_000, 500_001, 500_002])), (Some(2), None));
+        assert_eq!(corrupt(&packets([0, 1, 2, 3, 4, 5])[..3], None), Some(2));
     }
 }
