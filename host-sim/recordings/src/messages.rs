@@ -21,6 +21,7 @@ pub fn of_io(error: &io::Error) -> String {
         ErrorKind::IsADirectory => "it is a folder: expected a file",
         ErrorKind::AlreadyExists => "a file or folder of that name exists: expected another name",
         ErrorKind::DirectoryNotEmpty => "it is no longer empty: expected an empty or a new folder",
+        ErrorKind::BrokenPipe => "its reader has ended before all was written",
         ErrorKind::UnexpectedEof => "it ends too early",
         _ => {
             let text = error.to_string();

@@ -3,17 +3,24 @@
 use crate::cleanup::{self, Kept};
 use crate::messages;
 use anyhow::{Context, Result, ensure};
-use std::fs;
 use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::{fmt, fs};
 use tempfile::{TempDir, TempPath};
 
 /// A file being written under a temporary name. [`Output::finish`] renames it; a drop leaves the former file unchanged.
 pub struct Output {
     name: PathBuf,
     file: BufWriter<fs::File>,
-    /// The temporary file; `None` in a [`Folder`], and for a device, pipe or open file, which stays in place.
-    whole: Option<Whole>,
+    place: Place,
+}
+
+enum Place {
+    /// A temporary file, which becomes the target.
+    Temporary(Whole),
+    /// A file of a [`Folder`], a device, a pipe or an open file, which stays in place.
+    Fixed,
+    StandardOutput,
 }
 
 struct Whole {
@@ -29,14 +36,14 @@ impl Output {
         let target = if is_open(name) { name.to_owned() } else { behind_links(name) };
         let folder = folder_of(&target);
         ensure!(folder.is_dir(), "{}: there is no folder {}", cannot_write(name), folder.display());
-        let (file, whole) = open(target).with_context(|| cannot_write(name))?;
-        Ok(Self { name: name.to_owned(), file: BufWriter::new(file), whole })
+        let (file, place) = open(target).with_context(|| cannot_write(name))?;
+        Ok(Self { name: name.to_owned(), file: BufWriter::new(file), place })
     }
 
     /// Returns the temporary path for another program to write; `None` in a `Folder`, or for a device, pipe or open
     /// file.
     pub fn path(&self) -> Option<&Path> {
-        self.whole.as_ref().map(|whole| &*whole.path)
+        if let Place::Temporary(whole) = &self.place { Some(&whole.path) } else { None }
     }
 
     pub fn end(mut self, bytes: &[u8]) -> Result<()> {
@@ -45,27 +52,51 @@ impl Output {
     }
 
     pub fn write(&mut self, bytes: &[u8]) -> Result<()> {
-        self.file.write_all(bytes).with_context(|| cannot_write(&self.name))
+        let written = self.file.write_all(bytes);
+        written.map_err(|error| self.failed(error))
     }
 
-    pub fn finish(self) -> Result<()> {
-        let Self { name, mut file, whole } = self;
-        let finish = || {
-            file.flush()?;
-            whole.map_or(Ok(()), |Whole { path, target, _kept }| path.persist(target).map_err(|error| error.error))
-        };
-        finish().with_context(|| cannot_write(&name))
+    /// Writes all bytes to the disk, so that `finish` only renames the file. Of several outputs, each is settled before
+    /// the first is finished: a full disk then leaves all former files.
+    pub fn settle(&mut self) -> Result<()> {
+        let is_whole = matches!(self.place, Place::Temporary(_));
+        let settled = self.file.flush().and_then(|()| if is_whole { synced(self.file.get_ref()) } else { Ok(()) });
+        settled.map_err(|error| self.failed(error))
+    }
+
+    pub fn finish(mut self) -> Result<()> {
+        self.settle()?;
+        let Self { name, place, .. } = self;
+        let Place::Temporary(Whole { path, target, _kept }) = place else { return Ok(()) };
+        path.persist(target).map_err(|error| error.error).with_context(|| cannot_write(&name))
+    }
+
+    /// Like `finish`, but returns false, and leaves the file that is there, if a file of this name exists.
+    pub fn finish_new(mut self) -> Result<bool> {
+        self.settle()?;
+        let Self { name, place, .. } = self;
+        let Place::Temporary(Whole { path, target, _kept }) = place else { return Ok(false) };
+        match path.persist_noclobber(target) {
+            Ok(()) => Ok(true),
+            Err(error) if error.error.kind() == ErrorKind::AlreadyExists => Ok(false),
+            Err(error) => Err(error.error).with_context(|| cannot_write(&name)),
+        }
+    }
+
+    fn failed(&self, error: io::Error) -> anyhow::Error {
+        if matches!(self.place, Place::StandardOutput) && error.kind() == ErrorKind::BrokenPipe {
+            return ReaderGone.into();
+        }
+        anyhow::Error::new(error).context(cannot_write(&self.name))
     }
 }
 
-/// Lets encoders write the file. Errors of this trait do not name the file.
-impl Write for Output {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
+/// Writes a file to the disk: some file systems report only then that it is full.
+fn synced(file: &fs::File) -> io::Result<()> {
+    match file.sync_all() {
+        // Not every file system has this call.
+        Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
+        other => other,
     }
 }
 
@@ -88,17 +119,18 @@ fn is_open(name: &Path) -> bool {
     [name, &behind].iter().any(|path| path.starts_with("/dev/fd") || path.starts_with("/proc"))
 }
 
-fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
+fn open(target: PathBuf) -> io::Result<(fs::File, Place)> {
     let there = fs::metadata(&target);
     match &there {
         Ok(data) if data.is_dir() => return Err(ErrorKind::IsADirectory.into()),
         // A second handle of standard output would have its own position, and the two would overwrite each other.
         #[cfg(unix)]
         Ok(_) if ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| target == Path::new(name)) => {
-            return Ok((std::os::fd::AsFd::as_fd(&io::stdout()).try_clone_to_owned()?.into(), None));
+            let file = std::os::fd::AsFd::as_fd(&io::stdout()).try_clone_to_owned()?.into();
+            return Ok((file, Place::StandardOutput));
         }
         Ok(data) if !data.is_file() || is_open(&target) => {
-            return Ok((fs::OpenOptions::new().append(true).open(target)?, None));
+            return Ok((fs::OpenOptions::new().append(true).open(target)?, Place::Fixed));
         }
         _ => {}
     }
@@ -109,7 +141,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
         fs::set_permissions(made.path(), data.permissions())?;
     }
     let (file, path) = made.into_parts();
-    Ok((file, Some(Whole { path, target, _kept })))
+    Ok((file, Place::Temporary(Whole { path, target, _kept })))
 }
 
 #[cfg_attr(not(unix), allow(unused_variables))]
@@ -153,7 +185,7 @@ impl Folder {
     pub fn file(&self, name: &str) -> Result<Output> {
         let (place, name) = (self.made.path().join(name), self.name.join(name));
         let file = fs::File::create(place).with_context(|| cannot_write(&name))?;
-        Ok(Output { name, file: BufWriter::new(file), whole: None })
+        Ok(Output { name, file: BufWriter::new(file), place: Place::Fixed })
     }
 
     pub fn folder(&self, name: &str) -> Result<()> {
@@ -166,15 +198,13 @@ impl Folder {
 
     pub fn finish(self) -> Result<()> {
         let Self { name, target, made, _kept } = self;
+        settle(made.path()).with_context(|| cannot_make(&name))?;
         let finish = || -> io::Result<()> {
             if made.path().parent() == Some(&target) {
                 if fs::read_dir(&target)?.count() > 1 {
                     return Err(ErrorKind::DirectoryNotEmpty.into());
                 }
-                for entry in fs::read_dir(made.path())?.collect::<io::Result<Vec<_>>>()? {
-                    fs::rename(entry.path(), target.join(entry.file_name()))?;
-                }
-                return Ok(());
+                return move_all(made.path(), &target);
             }
             fs::rename(made.path(), &target)?;
             // The rename has moved the temporary folder, so nothing is left to remove.
@@ -183,6 +213,33 @@ impl Folder {
         };
         cleanup::undisturbed(finish).with_context(|| cannot_make(&name))
     }
+}
+
+/// Writes all files of a folder, at any depth, to the disk.
+fn settle(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let (entry, path) = entry.map(|entry| (entry.file_type(), entry.path()))?;
+        if entry?.is_dir() {
+            settle(&path)?;
+        } else {
+            // Windows syncs only a file that is open for writing.
+            synced(&fs::OpenOptions::new().append(true).open(path)?)?;
+        }
+    }
+    Ok(())
+}
+
+/// Moves all entries of a folder into another one; after an error, moves them back.
+fn move_all(from: &Path, to: &Path) -> io::Result<()> {
+    let names: Vec<_> = fs::read_dir(from)?.map(|entry| Ok(entry?.file_name())).collect::<io::Result<_>>()?;
+    for (at, name) in names.iter().enumerate() {
+        if let Err(error) = fs::rename(from.join(name), to.join(name)) {
+            // An entry that cannot be moved back stays: nothing more can be done for it.
+            names[..at].iter().for_each(|moved| drop(fs::rename(to.join(moved), from.join(moved))));
+            return Err(error);
+        }
+    }
+    Ok(())
 }
 
 /// A private temporary folder for files that this program and another one exchange. Dropping it removes it.
@@ -216,14 +273,29 @@ impl Exchange {
     }
 }
 
+/// Error of a write to standard output whose reader has closed the pipe (`| head`).
+#[derive(Debug)]
+pub struct ReaderGone;
+
+impl fmt::Display for ReaderGone {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the reader of standard output has ended")
+    }
+}
+
+impl std::error::Error for ReaderGone {}
+
 /// Writes text to standard output, with control characters escaped by [`messages::plain`].
-/// Errors: The reader has closed its pipe ([`ErrorKind::BrokenPipe`]), or writing fails.
+/// Errors: [`ReaderGone`], or writing fails.
 pub fn print(text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     let mut bytes = Vec::new();
     text(&mut bytes)?;
     let mut out = io::stdout().lock();
     let plain = messages::plain(&String::from_utf8_lossy(&bytes));
-    out.write_all(plain.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
+    match out.write_all(plain.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Err(ReaderGone.into()),
+        written => written.context("cannot write to standard output"),
+    }
 }
 
 pub fn complain(text: &str) {

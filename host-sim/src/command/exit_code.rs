@@ -5,10 +5,9 @@ use super::usage;
 use anyhow::{Context, Result, anyhow};
 use clap::Parser;
 use smr_evaluation::Refused;
-use smr_recordings::output::complain;
+use smr_recordings::output::{ReaderGone, complain};
 use smr_recordings::{Damaged, cleanup, messages};
 use std::ffi::OsString;
-use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +71,5 @@ fn refused(error: &anyhow::Error, command: &clap::Command) -> ExitCode {
 
 /// True if the reader of standard output is gone (`host-sim track ... | head`), which is no error.
 pub(super) fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    let io = error.chain().find_map(|cause| cause.downcast_ref::<io::Error>());
-    io.is_some_and(|io| io.kind() == ErrorKind::BrokenPipe)
+    error.is::<ReaderGone>()
 }

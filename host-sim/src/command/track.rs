@@ -163,7 +163,9 @@ impl Track {
 
     fn film(&self, out: &Path, sequence: &mut Sequence) -> Result<Film> {
         let (patience, number) = (self.recording.ffmpeg_patience(), sequence.first);
-        let plan = Plan { sound: sequence.source.video().map(Path::to_owned), number, patience };
+        let sound = sequence.source.video().map(Path::to_owned);
+        let is_cut = self.recording.frames().is_some_and(|part| part.last().is_some());
+        let plan = Plan { sound, is_cut, number, patience };
         Film::create(out, plan, sequence.truth.take().unwrap_or_default(), &self.ids)
     }
 }
@@ -244,8 +246,11 @@ impl Pass {
             bail!("{}: there is no frame {frame}{name} (--init): expected {first} to {}", self.name, self.last);
         }
         self.lines.write(&self.printer.foot()?)?;
+        self.lines.settle()?;
         if let Some((name, film)) = self.film {
-            film.finish()?;
+            if let Some(note) = film.finish()? {
+                complain(&format!("note: {note}"));
+            }
             let written = format!("{}: {} frames", name.display(), self.bar.done());
             match self.events {
                 Some(events) => print(|out| write!(out, "{written}\n{}", ends(&self.targets, &events)))?,
@@ -295,6 +300,10 @@ impl Lines {
             Self::Unread => {}
         }
         Ok(())
+    }
+
+    fn settle(&mut self) -> Result<()> {
+        if let Self::File(file) = self { file.settle() } else { Ok(()) }
     }
 
     fn finish(self) -> Result<()> {

@@ -70,7 +70,8 @@ impl Film {
         }
     }
 
-    pub fn finish(self) -> Result<()> {
+    /// Ends the video. Returns a note if it has no sound, although the recording has.
+    pub fn finish(self) -> Result<Option<String>> {
         self.film.finish()
     }
 }

@@ -1,85 +1,102 @@
-//! An ffmpeg process that encodes frames from its standard input to a file.
+//! Runs ffmpeg to write videos. Exit statuses and counts of packets decide; its words are only quoted in messages.
 
 use anyhow::{Context, Result, bail, ensure};
 use smr_recordings::cleanup::Process;
+use smr_recordings::input::Patient;
 use smr_recordings::silent;
-use std::io::{ErrorKind, Write};
+use std::ffi::OsStr;
+use std::io::{BufRead, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::time::{Duration, Instant};
-use std::{fs, thread};
+use std::{env, fs, thread};
 
 /// Number of bytes in each write to ffmpeg. A completed write is a sign that ffmpeg is alive.
 const CHUNK: usize = 1 << 16;
 
-pub(super) struct Ffmpeg {
+/// Returns the command of an ffmpeg that stops at the first error and reads nothing from the terminal.
+pub(super) fn command() -> Command {
+    let mut command = Command::new("ffmpeg");
+    // Variables such as AV_LOG_FORCE_COLOR change ffmpeg's messages; FFREPORT makes it write a file of its own.
+    let is_of_ffmpeg = |name: &OsStr| {
+        let name = name.to_string_lossy().to_ascii_uppercase();
+        name.starts_with("AV_LOG_") || name == "FFREPORT"
+    };
+    for (name, _) in env::vars_os().filter(|(name, _)| is_of_ffmpeg(name)) {
+        command.env_remove(name);
+    }
+    command.args(["-nostdin", "-nostats", "-hide_banner", "-v", "error", "-xerror"]);
+    command
+}
+
+/// A running ffmpeg; dropping it kills the process.
+struct Running {
     process: Process,
     said: Receiver<String>,
-    /// Channel that holds one frame. A separate thread takes frames from it and writes them to ffmpeg, which may block.
-    frames: SyncSender<Vec<u8>>,
-    chunks: Arc<AtomicU64>,
-    file: PathBuf,
     patience: Duration,
 }
 
-impl Ffmpeg {
-    /// Starts ffmpeg with these arguments; it reads standard input and writes `file`.
-    pub fn start(arguments: Command, file: &Path, patience: Duration) -> Result<Self> {
-        let mut command = arguments;
-        command.arg("-y").arg(file).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
-        let process = match Process::start(&mut command) {
+impl Running {
+    fn start(command: &mut Command, patience: Duration) -> Result<Self> {
+        let process = match Process::start(command.stderr(Stdio::piped())) {
             Err(error) if error.kind() == ErrorKind::NotFound => bail!(
                 "a video needs ffmpeg, and there is none on the PATH: install the package `ffmpeg`, or write a folder of pictures"
             ),
             other => other.context("cannot start ffmpeg")?,
         };
-        let said = process.said();
-        let mut pipe = process.input().context("standard input is piped")?;
-        let (frames, to_write) = sync_channel::<Vec<u8>>(1);
-        let chunks = Arc::new(AtomicU64::new(0));
-        let count = Arc::clone(&chunks);
-        thread::spawn(move || {
-            for frame in to_write {
-                for chunk in frame.chunks(CHUNK) {
-                    // The error is not reported: if ffmpeg has ended, its own message gives the reason.
-                    let Ok(()) = pipe.write_all(chunk) else { return };
-                    count.fetch_add(1, Ordering::Relaxed);
-                }
-            }
-        });
-        Ok(Self { process, said, frames, chunks, file: file.to_owned(), patience })
+        Ok(Self { said: process.said(), process, patience })
     }
 
-    pub fn write(&self, mut frame: Vec<u8>) -> Result<()> {
-        let mut is_alive = self.watch();
-        loop {
-            match self.frames.try_send(frame) {
-                Ok(()) => return Ok(()),
-                Err(TrySendError::Disconnected(_)) => return self.verdict(),
-                Err(TrySendError::Full(waits)) => frame = waits,
-            }
-            ensure!(is_alive(), silent(self.patience));
-            thread::sleep(Duration::from_millis(1));
-        }
-    }
-
-    pub fn end(mut self) -> Result<()> {
-        // Dropping the sender makes the thread write the waiting frame, then close the pipe.
-        self.frames = sync_channel(0).0;
-        self.verdict()
-    }
-
-    /// Waits for the end of ffmpeg. Errors: ffmpeg failed, or shows no sign of life for longer than `patience`.
-    fn verdict(&self) -> Result<()> {
-        let mut is_alive = self.watch();
-        let status = self.process.wait_while(|_| is_alive());
-        let status = status.context("cannot wait for ffmpeg")?.ok_or_else(|| silent(self.patience))?;
+    /// Waits for the end of ffmpeg, and returns its exit status and a message to quote.
+    fn end(&self, mut is_alive: impl FnMut() -> bool) -> Result<(ExitStatus, String)> {
+        let status = self.process.wait_while(|_| is_alive()).context("cannot wait for ffmpeg")?;
+        let status = status.ok_or_else(|| silent(self.patience))?;
         let said = self.said.recv_timeout(self.patience).unwrap_or_default();
-        let reason = said.trim().lines().next_back().unwrap_or("it gives no reason");
-        ensure!(status.success(), "ffmpeg cannot write the video: {reason}");
+        Ok((status, quoted(&said)))
+    }
+}
+
+/// Returns the line of `said` to quote: the first one of a part of ffmpeg, without the names of the part, such as
+/// `[mp4 @ 0x55f520328f40] `; without any, the last line.
+fn quoted(said: &str) -> String {
+    let words = |mut line: &str| {
+        let mut is_of_part = false;
+        while let Some((_, rest)) =
+            line.split_once("] ").filter(|(part, _)| part.starts_with('[') && part.contains(" @ 0x"))
+        {
+            (line, is_of_part) = (rest, true);
+        }
+        (line.to_owned(), is_of_part)
+    };
+    let lines: Vec<_> = said.lines().map(str::trim).filter(|line| !line.is_empty()).map(words).collect();
+    let line = lines.iter().find(|(_, is_of_part)| *is_of_part).or(lines.last());
+    line.map_or("it gives no reason".to_owned(), |(words, _)| words.clone())
+}
+
+/// An ffmpeg that writes a file.
+pub(super) struct Writing {
+    running: Running,
+    chunks: Arc<AtomicU64>,
+    file: PathBuf,
+}
+
+impl Writing {
+    /// Starts ffmpeg with these arguments, among which is `file`.
+    pub fn start(mut command: Command, file: &Path, patience: Duration) -> Result<Self> {
+        command.stdout(Stdio::null());
+        let running = Running::start(&mut command, patience)?;
+        Ok(Self { running, chunks: Arc::default(), file: file.to_owned() })
+    }
+
+    /// Waits for the end of ffmpeg. Errors: ffmpeg failed, or shows no sign of life for longer than the patience.
+    pub fn end(&self) -> Result<()> {
+        let (status, said) = self.running.end(self.watch())?;
+        // The temporary name of the file means nothing to the user.
+        let said = said.replace(&*self.file.to_string_lossy(), "the file");
+        ensure!(status.success(), "ffmpeg cannot write the video: {said}");
         Ok(())
     }
 
@@ -95,7 +112,177 @@ impl Ffmpeg {
             if now != last {
                 (last, since) = (now, Instant::now());
             }
-            since.elapsed() <= self.patience
+            since.elapsed() <= self.running.patience
+        }
+    }
+}
+
+/// An ffmpeg that encodes frames from its standard input.
+pub(super) struct Encoder {
+    writing: Writing,
+    /// Channel that holds one frame. A separate thread takes frames from it and writes them to ffmpeg, which may block.
+    frames: SyncSender<Vec<u8>>,
+}
+
+impl Encoder {
+    /// Starts ffmpeg with these arguments; it reads standard input and writes `file`.
+    pub fn start(mut command: Command, file: &Path, patience: Duration) -> Result<Self> {
+        command.arg("-y").arg(file).stdin(Stdio::piped());
+        let writing = Writing::start(command, file, patience)?;
+        let mut pipe = writing.running.process.input().context("standard input is piped")?;
+        let (frames, to_write) = sync_channel::<Vec<u8>>(1);
+        let count = Arc::clone(&writing.chunks);
+        thread::spawn(move || {
+            for frame in to_write {
+                for chunk in frame.chunks(CHUNK) {
+                    // The error is not reported: if ffmpeg has ended, its own message gives the reason.
+                    let Ok(()) = pipe.write_all(chunk) else { return };
+                    count.fetch_add(1, Ordering::Relaxed);
+                }
+            }
+        });
+        Ok(Self { writing, frames })
+    }
+
+    pub fn write(&self, mut frame: Vec<u8>) -> Result<()> {
+        let mut is_alive = self.writing.watch();
+        loop {
+            match self.frames.try_send(frame) {
+                Ok(()) => return Ok(()),
+                Err(TrySendError::Disconnected(_)) => {
+                    self.writing.end()?;
+                    bail!("ffmpeg has ended before the last frame");
+                }
+                Err(TrySendError::Full(waits)) => frame = waits,
+            }
+            ensure!(is_alive(), silent(self.writing.running.patience));
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    pub fn end(self) -> Result<()> {
+        let Self { writing, frames } = self;
+        // Dropping the sender makes the thread write the waiting frame, then close the pipe.
+        drop(frames);
+        writing.end()
+    }
+}
+
+/// Kind of a stream in ffmpeg's list of packets (`-f framecrc`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stream {
+    Picture,
+    Sound,
+    Other,
+}
+
+/// The packets that an ffmpeg lists on its standard output by `-f framecrc -`.
+pub(super) struct Packets {
+    running: Running,
+    lines: Patient,
+    /// Kind and time base of each stream, which the list names before the first packet.
+    streams: Vec<(Stream, (u32, u32))>,
+}
+
+impl Packets {
+    pub fn start(mut command: Command, patience: Duration) -> Result<Self> {
+        command.stdin(Stdio::null()).stdout(Stdio::piped());
+        let running = Running::start(&mut command, patience)?;
+        let list = running.process.output().context("standard output is piped")?;
+        Ok(Self { running, lines: Patient::new(|| Ok(list), patience, silent), streams: Vec::new() })
+    }
+
+    /// Returns the kind of the next packet and its decoding time in seconds; `None` at the end.
+    pub fn next(&mut self) -> Result<Option<(Stream, f64)>> {
+        let mut line = String::new();
+        while self.lines.read_line(&mut line)? > 0 {
+            if let Some(packet) = self.read(line.trim()) {
+                return Ok(Some(packet));
+            }
+            line.clear();
+        }
+        Ok(None)
+    }
+
+    pub fn has(&self, stream: Stream) -> bool {
+        self.streams.iter().any(|(kind, _)| *kind == stream)
+    }
+
+    /// Parses `#media_type 1: audio`, `#tb 1: 1/44100`, and a packet: stream, decoding time, time, duration, size, CRC.
+    fn read(&mut self, line: &str) -> Option<(Stream, f64)> {
+        let Some(fact) = line.strip_prefix('#') else {
+            let mut fields = line.split(',').map(str::trim);
+            let (stream, time): (usize, f64) = (fields.next()?.parse().ok()?, fields.next()?.parse().ok()?);
+            let (kind, (unit, second)) = *self.streams.get(stream)?;
+            return Some((kind, time * f64::from(unit) / f64::from(second)));
+        };
+        let (name, rest) = fact.split_once(' ')?;
+        let (number, value) = rest.split_once(": ")?;
+        let number: usize = number.parse().ok().filter(|&number| number < 1000)?;
+        if self.streams.len() <= number {
+            self.streams.resize(number + 1, (Stream::Other, (1, 1)));
+        }
+        let (kind, base) = &mut self.streams[number];
+        match name {
+            "media_type" if value == "video" => *kind = Stream::Picture,
+            "media_type" if value == "audio" => *kind = Stream::Sound,
+            "tb" => {
+                let (unit, second) = value.split_once('/')?;
+                *base = (unit.parse().ok()?, second.parse().ok()?);
+            }
+            _ => {}
+        }
+        None
+    }
+
+    /// Waits for the end of ffmpeg, and returns a message to quote.
+    pub fn words(self) -> Result<String> {
+        let begin = Instant::now();
+        Ok(self.running.end(|| begin.elapsed() <= self.running.patience)?.1)
+    }
+
+    /// Counts the packets of pictures and of sound up to the end. Returns ffmpeg's message instead if ffmpeg failed.
+    pub fn count(mut self) -> Result<std::result::Result<(usize, usize), String>> {
+        let (mut pictures, mut sounds) = (0, 0);
+        while let Some((kind, _)) = self.next()? {
+            pictures += usize::from(kind == Stream::Picture);
+            sounds += usize::from(kind == Stream::Sound);
+        }
+        let begin = Instant::now();
+        let (status, said) = self.running.end(|| begin.elapsed() <= self.running.patience)?;
+        Ok(if status.success() { Ok((pictures, sounds)) } else { Err(said) })
+    }
+}
+
+/// Reads a written video back, and returns its number of sound packets. Errors: it is not whole, or does not have
+/// `frames` pictures. On a full disk, ffmpeg may end with success and leave part of a file.
+pub(super) fn check(file: &Path, frames: usize, patience: Duration) -> Result<usize> {
+    let mut command = command();
+    command.arg("-i").arg(smr_recordings::ffmpeg_input(file));
+    command.args(["-map", "0", "-c", "copy", "-copyinkf", "-f", "framecrc", "-"]);
+    match Packets::start(command, patience)?.count()? {
+        Ok((pictures, sounds)) if pictures == frames => Ok(sounds),
+        Ok((pictures, _)) => bail!("ffmpeg has written {pictures} of {frames} frames: is the disk full?"),
+        Err(said) => bail!("ffmpeg has not written a whole video (is the disk full?): {said}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_quoted_without_its_speaker() {
+        for (said, expected) in [
+            (
+                "a loader warns\n[aac @ 0x55f5] [dec:aac @ 0x7] No space left on device\nEnd\n",
+                "No space left on device",
+            ),
+            ("a loader warns\n\nEnd\n\n", "End"),
+            ("a.mp4: [1] is odd", "a.mp4: [1] is odd"),
+            (" \n", "it gives no reason"),
+        ] {
+            assert_eq!(quoted(said), expected);
         }
     }
 }

@@ -1,25 +1,49 @@
 //! Writes frames with boxes drawn on them as a video (through ffmpeg) or as a folder of PNG pictures.
 
-use super::ffmpeg::Ffmpeg;
+use super::ffmpeg::{self, Encoder};
 use super::matroska;
 use super::overlay::Overlay;
+use super::sound::{Added, Codec, Sound};
 use crate::encode::rgb_png;
 use anyhow::{Context, Result, bail};
+use smr_recordings::Moment;
 use smr_recordings::output::{Folder, Output};
-use smr_recordings::{Moment, ffmpeg_input};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
 pub const ENDINGS: [&str; 4] = ["mp4", "mov", "mkv", "webm"];
 
-/// Options of ffmpeg for each of [`ENDINGS`]: codecs, if not the default ones, and container. `+faststart` puts the
-/// index first, as players expect. The options for VP9 make it as fast as H.264.
-const CODECS: [&[&str]; 4] = [
-    &["-c:a", "aac", "-movflags", "+faststart", "-f", "mp4"],
-    &["-c:a", "aac", "-movflags", "+faststart", "-f", "mov"],
-    &["-c:a", "aac", "-f", "matroska"],
-    &["-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1", "-crf", "32", "-b:v", "0", "-f", "webm"],
+/// Options of ffmpeg for a kind of video.
+#[derive(Clone, Copy)]
+struct Kind {
+    /// Codec of the pictures, if not the default one.
+    pictures: &'static [&'static str],
+    sound: Codec,
+    container: &'static [&'static str],
+}
+
+const AAC: Codec =
+    Codec { options: &["-c:a", "aac"], takes: "aformat=channel_layouts=mono|stereo|3.0|4.0|5.0|5.1|7.1" };
+const OPUS: Codec = Codec { options: &[], takes: "aformat=channel_layouts=mono|stereo|3.0|quad|5.0|5.1|6.1|7.1" };
+/// For Matroska, which does not say how much of its first and last frame AAC has added. The last frame of FLAC must have
+/// 16 samples, so that silence is added up to a multiple of 64.
+const FLAC: Codec = Codec {
+    options: &["-c:a", "flac"],
+    takes: "aformat=channel_layouts=mono|stereo|3.0|quad|5.0|5.1|6.1|7.1:sample_fmts=s16,asetnsamples=64",
+};
+
+/// The kind of each of [`ENDINGS`]. `+faststart` puts the index first, as players expect. The options for VP9 make it as
+/// fast as H.264.
+const KINDS: [Kind; 4] = [
+    Kind { pictures: &[], sound: AAC, container: &["-movflags", "+faststart", "-f", "mp4"] },
+    Kind { pictures: &[], sound: AAC, container: &["-movflags", "+faststart", "-f", "mov"] },
+    Kind { pictures: &[], sound: FLAC, container: &["-f", "matroska"] },
+    Kind {
+        pictures: &["-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1", "-crf", "32", "-b:v", "0"],
+        sound: OPUS,
+        container: &["-f", "webm"],
+    },
 ];
 
 /// A video or folder being written under a temporary name, until [`Film::finish`].
@@ -31,8 +55,8 @@ pub struct Film {
 }
 
 enum Way {
-    /// ffmpeg (once started), output, options. Fields drop in order, so that ffmpeg ends before the file is removed.
-    Video(Option<Ffmpeg>, Output, &'static [&'static str]),
+    /// ffmpeg (once started), output, kind. Fields drop in order, so that ffmpeg ends before the file is removed.
+    Video(Option<Encoder>, Output, Kind),
     Pictures(Folder),
 }
 
@@ -41,6 +65,8 @@ enum Way {
 pub struct Plan {
     /// File with the sound, which is omitted if the recording's frames have no times.
     pub sound: Option<PathBuf>,
+    /// True if the video ends before the recording does; its sound then ends with its last frame.
+    pub is_cut: bool,
     /// Number of the next frame, for the names of pictures.
     pub number: usize,
     /// Longest time without a sign of life of ffmpeg, after which writing fails.
@@ -54,7 +80,7 @@ impl Film {
         let extension = out.extension().filter(|_| !out.as_os_str().as_encoded_bytes().ends_with(b"/"));
         let extension = extension.and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
         let way = match ENDINGS.iter().position(|ending| *ending == extension) {
-            Some(kind) => Way::Video(None, Output::create(out)?, CODECS[kind]),
+            Some(kind) => Way::Video(None, Output::create(out)?, KINDS[kind]),
             None if extension.is_empty() => Way::Pictures(Folder::create(out)?),
             None => bail!(
                 "{}: expected a video that ends in .{}, or a folder (no ending, or a / after it)",
@@ -73,61 +99,87 @@ impl Film {
             Way::Pictures(folder) => {
                 folder.write(&format!("{number:05}.png"), &rgb_png(overlay.size(), overlay.rgb())?)
             }
-            Way::Video(ffmpeg, output, codecs) => {
+            Way::Video(encoder, output, kind) => {
                 let mut write = || {
                     let mut bytes = matroska::frame(time, overlay.rgb());
-                    if ffmpeg.is_none() {
+                    if encoder.is_none() {
                         bytes = [matroska::head(overlay.size()), bytes].concat();
                         let file = output.path();
                         let file = file.context("a video cannot be written to a device or a pipe: expected a file")?;
                         let aspect = moment.map_or((1, 1), |moment| moment.aspect);
-                        let command = command(&self.plan, &self.timeline, aspect, codecs);
-                        *ffmpeg = Some(Ffmpeg::start(command, file, self.plan.patience)?);
+                        let command = command(&self.timeline, aspect, *kind);
+                        *encoder = Some(Encoder::start(command, file, self.plan.patience)?);
                     }
-                    ffmpeg.as_mut().map_or(Ok(()), |ffmpeg| ffmpeg.write(bytes))
+                    encoder.as_ref().map_or(Ok(()), |encoder| encoder.write(bytes))
                 };
                 write().with_context(|| cannot_write(&self.name))
             }
         }
     }
 
-    pub fn finish(self) -> Result<()> {
-        match self.way {
-            Way::Pictures(folder) => folder.finish(),
-            Way::Video(ffmpeg, output, _) => {
-                ffmpeg.map_or(Ok(()), Ffmpeg::end).with_context(|| cannot_write(&self.name))?;
-                output.finish()
+    /// Ends the film. Returns a note if it has no sound, although the recording has.
+    pub fn finish(self) -> Result<Option<String>> {
+        let Self { name, plan, way, timeline } = self;
+        match way {
+            Way::Pictures(folder) => folder.finish().map(|()| None),
+            Way::Video(encoder, output, kind) => {
+                let end = || {
+                    encoder.context("there is no frame")?.end()?;
+                    ended(&name, &plan, &timeline, output, kind)
+                };
+                let (output, note) = end().with_context(|| cannot_write(&name))?;
+                output.finish()?;
+                Ok(note.map(|why| format!("{} has no sound: {why}", name.display())))
             }
         }
     }
+}
+
+/// Returns the whole video: with sound if the recording has any, or else with the reason why not.
+fn ended(
+    name: &Path,
+    plan: &Plan,
+    timeline: &Timeline,
+    output: Output,
+    kind: Kind,
+) -> Result<(Output, Option<String>)> {
+    let (patience, frames) = (plan.patience, timeline.frames);
+    let pictures = output.path().context("a video is a file")?;
+    let mut note = None;
+    if let Some((recording, start)) = plan.sound.clone().zip(timeline.start()) {
+        let sound = Sound { recording, start, length: plan.is_cut.then(|| timeline.length()) };
+        let whole = Output::create(name)?;
+        let file = whole.path().context("a video is a file")?;
+        match sound.add((pictures, frames), file, (kind.sound, kind.container), patience)? {
+            Added::Sound => return Ok((whole, None)),
+            Added::NoStream => {}
+            Added::Unreadable(why) => note = Some(why),
+        }
+    }
+    ffmpeg::check(pictures, frames, patience)?;
+    Ok((output, note))
 }
 
 fn cannot_write(name: &Path) -> String {
     format!("cannot write {}", name.display())
 }
 
-fn command(plan: &Plan, timeline: &Timeline, aspect: (u32, u32), codecs: &[&str]) -> Command {
-    let mut command = Command::new("ffmpeg");
-    command.args(["-v", "error", "-f", "matroska", "-i", "-"]);
-    if let Some((recording, start)) = plan.sound.as_deref().zip(timeline.start()) {
-        command.args(["-ss", &format!("{start:.6}"), "-i"]).arg(ffmpeg_input(recording));
-        // `apad` appends silence to the sound, so that `-shortest` cuts the sound and never the picture.
-        command.args(["-map", "0:v", "-map", "1:a:0?", "-af", "apad", "-shortest"]);
-    }
-    command.args(["-fps_mode", "passthrough"]);
+fn command(timeline: &Timeline, aspect: (u32, u32), kind: Kind) -> Command {
+    let mut command = ffmpeg::command();
+    command.args(["-f", "matroska", "-i", "-", "-fps_mode", "passthrough"]);
     // Players expect chroma at half the resolution, which requires even sides, and the color space BT.709.
     let even = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
     let filter = format!("{even},setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
     command.args(["-vf", &filter, "-pix_fmt", "yuv420p"]);
     command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
     let base = timeline.base();
-    command.args(["-enc_time_base", &format!("{}:{}", base.0, base.1)]).args(codecs);
+    command.args(["-enc_time_base", &format!("{}:{}", base.0, base.1)]).args(kind.pictures).args(kind.container);
     command
 }
 
 /// Timestamps of a video's frames: those of the recording or, if the recording has none, one every 1/25 second.
 struct Timeline {
-    is_begun: bool,
+    frames: usize,
     first: Option<Moment>,
     /// Time of the last frame in microseconds; `interval` is the time between it and the frame before.
     last: u64,
@@ -136,21 +188,24 @@ struct Timeline {
 
 impl Timeline {
     const fn new() -> Self {
-        Self { is_begun: false, first: None, last: 0, interval: 40_000 }
+        Self { frames: 0, first: None, last: 0, interval: 40_000 }
     }
 
     /// Returns the time of the next frame, in microseconds from the first one.
     fn next(&mut self, moment: Option<Moment>) -> u64 {
-        if !self.is_begun {
-            (self.is_begun, self.first) = (true, moment);
+        self.frames += 1;
+        if self.frames == 1 {
+            self.first = moment;
             return 0;
         }
         let time = match (self.first, moment) {
             (Some(first), Some(moment)) => microseconds(moment.seconds() - first.seconds()),
             _ => self.last + self.interval,
         };
-        // Times must increase, even if a damaged recording's do not.
-        self.interval = time.saturating_sub(self.last).max(1);
+        // Times must increase, even if a damaged recording's do not: ffmpeg refuses two frames of one time.
+        let (unit, second) = self.base();
+        let least = (u64::from(unit) * 1_000_000).div_ceil(second.into()).max(1);
+        self.interval = time.saturating_sub(self.last).max(least);
         self.last += self.interval;
         self.last
     }
@@ -162,6 +217,11 @@ impl Timeline {
 
     fn start(&self) -> Option<f64> {
         self.first.map(|first| first.seconds())
+    }
+
+    /// Returns the length in seconds, if the last frame is shown as long as the one before it.
+    fn length(&self) -> f64 {
+        Duration::from_micros(self.last + self.interval).as_secs_f64()
     }
 }
 
@@ -178,7 +238,7 @@ mod tests {
     use std::fs;
 
     fn plan() -> Plan {
-        Plan { sound: None, number: 1, patience: Duration::from_secs(60) }
+        Plan { sound: None, is_cut: false, number: 1, patience: Duration::from_secs(60) }
     }
 
     /// Frames with odd sides, which MP4 cannot have.
@@ -250,7 +310,7 @@ mod tests {
         let at = |time| Some(Moment { time, base: (1, 1000), aspect: (1, 1) });
         let mut timeline = Timeline::new();
         let times = [at(500), at(533), at(600), None, at(590), at(700)].map(|moment| timeline.next(moment));
-        assert_eq!(times, [0, 33_000, 100_000, 167_000, 167_001, 200_000]);
+        assert_eq!(times, [0, 33_000, 100_000, 167_000, 168_000, 200_000]);
         assert_eq!((timeline.base(), timeline.start()), ((1, 1000), Some(0.5)));
         let mut unknown = Timeline::new();
         assert_eq!([None, at(5), None].map(|moment| unknown.next(moment)), [0, 40_000, 80_000]);
