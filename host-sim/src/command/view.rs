@@ -42,8 +42,9 @@ pub struct View {
     /// The file that keeps the targets, the method and its options [default: SEQ.smr.json, beside the recording]
     ///
     /// `view` creates it at the first change, saves it after each one, and resumes from it. --init and --boxes replace its targets;
-    /// --method and tracker options replace its method; the first change then keeps the old file as FILE~. A camera, standard input and a
-    /// built-in recording have a session only with this option.
+    /// --method and tracker options replace its method; the first change then keeps the old file as FILE~, or FILE~2 if there is a FILE~. A
+    /// file that is no session, or that another program has changed meanwhile, stays as it is: `view` then saves to a new file, and says
+    /// where. A camera, standard input and a built-in recording have a session only with this option.
     #[arg(long, value_name = "FILE")]
     session: Option<PathBuf>,
     /// Print the address, and do not open a browser
@@ -202,7 +203,10 @@ impl View {
         let mut note = format!("note: resumes the session {name} of {}", work.recording);
         if has_targets || has_method {
             session.leave_aside();
-            note += &format!("; options given here replace it; the first change keeps the old file as {name}~");
+            note += "; options given here replace it";
+        }
+        if let Some(aside) = session.aside() {
+            note += &format!("; the first change keeps the old file as {aside}");
         }
         complain(&note);
         let kept = || variant_of(&work.method, &work.options).with_context(|| name.clone());

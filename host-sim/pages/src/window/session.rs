@@ -1,12 +1,14 @@
 //! A window's session: the user's targets, method and shown frame, saved as JSON beside the recording at each change.
 
 use super::{Target, lock};
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use smr_recordings::input::{self, Kind};
-use smr_recordings::output;
+use smr_recordings::messages;
+use smr_recordings::output::Output;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -33,19 +35,32 @@ impl Work {
     }
 }
 
+/// The saved work of a window. It replaces only the file that this window has last read or written, byte for byte;
+/// beside any other file, it takes a name that no file has.
 pub struct Session {
-    /// Path of the session file; `None` if the work is not saved.
-    path: Option<PathBuf>,
     recording: String,
     kept: Mutex<SavedWork>,
 }
 
 struct SavedWork {
     work: Work,
-    /// Content of the file as this window last read or wrote it; `None` before that, and after `leave_aside`.
+    /// Path of the session file; `None` if the work is not saved.
+    path: Option<PathBuf>,
+    /// Content of the file as this window last read or wrote it.
     bytes: Option<Vec<u8>>,
+    /// True if the file's work stays: the first change keeps the file under another name before replacing it.
+    is_set_aside: bool,
     /// True if the user has been told that the file cannot be written.
     has_failed: bool,
+}
+
+#[derive(PartialEq)]
+enum There {
+    Nothing,
+    /// The file that this window has last read or written.
+    Own,
+    /// Any other file, or one that is read-only.
+    Other,
 }
 
 impl Session {
@@ -55,20 +70,29 @@ impl Session {
         let read = there.map(|path| read(path).with_context(|| path.display().to_string())).transpose()?;
         let (bytes, work) = read.unzip();
         let former = work.clone().unwrap_or_else(|| Work::new(recording));
-        let kept = SavedWork { work: former, bytes, has_failed: false };
-        Ok((Self { path, recording: recording.to_owned(), kept: Mutex::new(kept) }, work))
+        let is_set_aside = former.recording != recording;
+        let kept = SavedWork { work: former, path, bytes, is_set_aside, has_failed: false };
+        Ok((Self { recording: recording.to_owned(), kept: Mutex::new(kept) }, work))
     }
 
-    /// Ignores the work in the file. The next change copies the file to `NAME~` before overwriting it.
+    /// Ignores the work in the file. The first change keeps the file under another name.
     pub fn leave_aside(&self) {
         let mut kept = lock(&self.kept);
-        (kept.bytes, kept.work.frame) = (None, None);
+        (kept.is_set_aside, kept.work.frame) = (true, None);
+    }
+
+    /// Returns the name under which the first change keeps the former file, if it does so.
+    pub fn aside(&self) -> Option<String> {
+        let kept = lock(&self.kept);
+        let path = kept.path.as_deref().filter(|_| kept.is_set_aside)?;
+        let free = aside_names(path).find(|name| fs::symlink_metadata(name).is_err());
+        free.map(|name| name.display().to_string())
     }
 
     /// Returns the path of the session file as text; `None` if the work is not saved.
     pub fn name(&self) -> Option<String> {
-        let path = self.path.as_ref().filter(|_| !lock(&self.kept).has_failed);
-        path.map(|path| path.display().to_string())
+        let kept = lock(&self.kept);
+        kept.path.as_ref().filter(|_| !kept.has_failed).map(|path| path.display().to_string())
     }
 
     pub(super) fn frame(&self) -> Option<usize> {
@@ -87,8 +111,7 @@ impl Session {
     pub(super) fn shows(&self, frame: usize) -> Option<String> {
         let mut kept = lock(&self.kept);
         kept.work.frame = Some(frame);
-        let there = self.path.as_ref().and_then(|path| fs::read(path).ok());
-        if there.is_some() && there == kept.bytes { self.write(&mut kept) } else { None }
+        if !kept.is_set_aside && kept.there() == There::Own { kept.save() } else { None }
     }
 
     /// Applies a change to the work and saves it. Returns a message for the user, if there is one.
@@ -96,24 +119,116 @@ impl Session {
         let mut kept = lock(&self.kept);
         change(&mut kept.work);
         kept.work.recording.clone_from(&self.recording);
-        self.write(&mut kept)
+        kept.save()
     }
+}
 
-    fn write(&self, kept: &mut SavedWork) -> Option<String> {
-        let path = self.path.as_ref()?;
-        match replaced(path, kept) {
-            Ok(aside) => {
-                kept.has_failed = false;
-                let said =
-                    |aside: PathBuf| format!("{} had other work, which is in {}", path.display(), aside.display());
-                aside.map(said)
+impl SavedWork {
+    /// Saves the work. Returns a message for the user, if there is one.
+    fn save(&mut self) -> Option<String> {
+        match self.write() {
+            Ok(said) => {
+                self.has_failed = false;
+                said
             }
             Err(error) => {
-                let is_new = !std::mem::replace(&mut kept.has_failed, true);
-                is_new.then(|| format!("the work is not kept: {error:#}"))
+                let is_new = !std::mem::replace(&mut self.has_failed, true);
+                is_new.then(|| format!("the work is not kept: {}", messages::of(&error)))
             }
         }
     }
+
+    fn write(&mut self) -> Result<Option<String>> {
+        let Some(path) = self.path.clone() else { return Ok(None) };
+        let mut bytes = serde_json::to_vec_pretty(&self.work)?;
+        bytes.push(b'\n');
+        let said = match self.replace(&path, &bytes)? {
+            Some(aside) => {
+                aside.map(|aside| format!("{} had other work, which is in {}", path.display(), aside.display()))
+            }
+            None => {
+                let names = numbered(&path);
+                let name = written_as(names, &bytes)?;
+                let said = format!(
+                    "{} is not the file of this window: the work is kept in {}",
+                    path.display(),
+                    name.display()
+                );
+                self.path = Some(name);
+                Some(said)
+            }
+        };
+        (self.bytes, self.is_set_aside) = (Some(bytes), false);
+        Ok(said)
+    }
+
+    /// Writes the file `path`, if there is none or if it is this window's own; returns `None` otherwise. Returns the
+    /// new name of the former file, if its work stays.
+    fn replace(&self, path: &Path, bytes: &[u8]) -> Result<Option<Option<PathBuf>>> {
+        if self.there() == There::Other {
+            return Ok(None);
+        }
+        let mut output = Output::create(path)?;
+        output.write(bytes)?;
+        output.settle()?;
+        // The file is looked at once more right before it is replaced, because writing takes time.
+        Ok(match self.there() {
+            There::Nothing => output.finish_new()?.then_some(None),
+            There::Own => {
+                let former = self.bytes.as_ref().filter(|_| self.is_set_aside);
+                let aside = former.map(|former| written_as(aside_names(path), former)).transpose()?;
+                output.finish()?;
+                Some(aside)
+            }
+            There::Other => None,
+        })
+    }
+
+    fn there(&self) -> There {
+        let Some(path) = &self.path else { return There::Nothing };
+        match fs::metadata(path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => There::Nothing,
+            Ok(data) if data.is_file() && !data.permissions().readonly() => {
+                let is_own = input::bytes(path, &KIND).is_ok_and(|there| self.bytes.as_ref() == Some(&there));
+                if is_own { There::Own } else { There::Other }
+            }
+            _ => There::Other,
+        }
+    }
+}
+
+/// Returns `a.json~`, `a.json~2`, ... for `a.json`.
+fn aside_names(path: &Path) -> impl Iterator<Item = PathBuf> {
+    (1..).map(move |number: usize| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(if number == 1 { "~".to_owned() } else { format!("~{number}") });
+        name.into()
+    })
+}
+
+/// Returns `a-2.json`, `a-3.json`, ... for `a.json`.
+fn numbered(path: &Path) -> impl Iterator<Item = PathBuf> {
+    (2..).map(move |number: usize| {
+        let mut name = path.file_stem().unwrap_or_default().to_owned();
+        name.push(format!("-{number}"));
+        if let Some(ending) = path.extension() {
+            name.push(".");
+            name.push(ending);
+        }
+        path.with_file_name(name)
+    })
+}
+
+/// Writes a file under the first of `names` that no file has, and returns the name.
+fn written_as(names: impl Iterator<Item = PathBuf>, bytes: &[u8]) -> Result<PathBuf> {
+    for name in names.filter(|name| fs::symlink_metadata(name).is_err()) {
+        let mut output = Output::create(&name)?;
+        output.write(bytes)?;
+        if output.finish_new()? {
+            return Ok(name);
+        }
+    }
+    bail!("no name is free")
 }
 
 fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
@@ -133,19 +248,6 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
     let work: Work = serde_json::from_slice(&bytes).map_err(wrong)?;
     ensure!(work.targets.iter().all(|target| !target.locks.is_empty()), "it has a target without boxes: move it away");
     Ok((bytes, work))
-}
-
-/// Writes the file. If it holds anything but `kept.bytes`, first copies it to `NAME~` and returns the copy's path.
-fn replaced(path: &Path, kept: &mut SavedWork) -> Result<Option<PathBuf>> {
-    let mut bytes = serde_json::to_vec_pretty(&kept.work)?;
-    bytes.push(b'\n');
-    let other = fs::read(path).ok().filter(|there| kept.bytes.as_ref() != Some(there));
-    let mut aside = path.as_os_str().to_owned();
-    aside.push("~");
-    let aside = other.map(|other| output::write(aside.as_ref(), &other).map(|()| aside.into())).transpose()?;
-    output::write(path, &bytes)?;
-    kept.bytes = Some(bytes);
-    Ok(aside)
 }
 
 #[cfg(test)]
@@ -180,12 +282,93 @@ mod tests {
         assert_eq!((second.frame(), second.shows(1), open().1.as_ref()), (None, None, Some(&expected)));
         let said = second.keep(|work| work.targets.clear()).unwrap();
         assert!(said.ends_with("a.smr.json~"), "{said}");
-        // The second session has changed the file, so the first one copies it before it writes.
         let kept: Work = serde_json::from_slice(&fs::read(folder.path().join("a.smr.json~")).unwrap()).unwrap();
+        assert!(kept == expected);
+        // The second session has changed the file, so the first one leaves it and goes on in a file of its own.
         let there = fs::read(&file).unwrap();
-        assert!(kept == expected && first.keep(|work| work.frame = None).unwrap().ends_with("a.smr.json~"));
-        assert_eq!(fs::read(folder.path().join("a.smr.json~")).unwrap(), there, "one is kept, the last");
-        assert_eq!((second.path.as_ref(), names(folder.path()).len()), (Some(&file), 2));
+        let own = folder.path().join("a.smr-2.json");
+        let said = first.keep(|work| work.frame = None).unwrap();
+        assert_eq!(
+            said,
+            format!("{} is not the file of this window: the work is kept in {}", file.display(), own.display())
+        );
+        assert_eq!((first.keep(|work| work.frame = Some(2)), second.keep(|work| work.frame = Some(3))), (None, None));
+        assert_eq!(
+            (first.name().unwrap(), second.name().unwrap()),
+            (own.display().to_string(), file.display().to_string())
+        );
+        assert_eq!((fs::read(&file).unwrap() == there, names(folder.path()).len()), (false, 3));
+    }
+
+    /// Puts something in the place of the session file while a window is open: the window must not touch it.
+    #[test]
+    fn what_another_has_put_there_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let other = serde_json::to_vec(&Work::new("another recording")).unwrap();
+        let puts: [(&str, &dyn Fn(&Path)); 4] = [
+            ("notes", &|file| fs::write(file, "my notes").unwrap()),
+            ("nothing", &|file| fs::write(file, "").unwrap()),
+            ("session", &|file| fs::write(file, &other).unwrap()),
+            ("folder", &|file| fs::create_dir(file).unwrap()),
+        ];
+        for (name, put) in puts {
+            for is_first in [true, false] {
+                let file = path(&format!("{name}-{is_first}.json"));
+                let (session, _) = Session::open(Some(file.clone()), "a").unwrap();
+                if !is_first {
+                    assert_eq!(session.keep(|_| ()), None);
+                    fs::remove_file(&file).unwrap();
+                }
+                put(&file);
+                let before = (file.is_dir(), fs::read(&file).ok());
+                assert_eq!(session.shows(5), None);
+                let said = session.keep(|_| ()).unwrap();
+                assert!(said.ends_with(&format!("{name}-{is_first}-2.json")), "{said}");
+                assert_eq!((session.shows(6), session.keep(|_| ())), (None, None));
+                assert_eq!((file.is_dir(), fs::read(&file).ok()), before, "{name}");
+                assert!(read(&path(&format!("{name}-{is_first}-2.json"))).is_ok());
+            }
+        }
+    }
+
+    #[test]
+    fn a_former_file_gets_a_name_that_no_file_has() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let file = path("a.json");
+        Session::open(Some(file.clone()), "another recording").unwrap().0.keep(|_| ());
+        let former = fs::read(&file).unwrap();
+        fs::write(path("a.json~"), "mine").unwrap();
+        let (session, _) = Session::open(Some(file.clone()), "a").unwrap();
+        assert_eq!(session.aside(), Some(path("a.json~2").display().to_string()));
+        assert_eq!(session.shows(3), None);
+        assert!(session.keep(|_| ()).unwrap().ends_with("a.json~2"));
+        assert_eq!((session.keep(|_| ()), session.aside(), names(folder.path()).len()), (None, None, 3));
+        assert_eq!(
+            (fs::read(path("a.json~")).unwrap(), fs::read(path("a.json~2")).unwrap()),
+            (b"mine".to_vec(), former)
+        );
+        assert_eq!(read(&file).unwrap().1.recording, "a");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_read_only_files_are_kept() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        symlink("real.json", path("link.json")).unwrap();
+        assert!(Session::open(Some(path("link.json")), "a").is_err(), "the link leads nowhere");
+        Session::open(Some(path("real.json")), "a").unwrap().0.keep(|_| ());
+        let (session, _) = Session::open(Some(path("link.json")), "a").unwrap();
+        assert_eq!(session.keep(|work| work.frame = Some(4)), None);
+        assert!(path("link.json").is_symlink() && read(&path("real.json")).unwrap().1.frame == Some(4));
+        let mut permissions = fs::metadata(path("real.json")).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(path("real.json"), permissions).unwrap();
+        let said = session.keep(|work| work.frame = Some(5)).unwrap();
+        assert!(said.ends_with("link-2.json") && read(&path("real.json")).unwrap().1.frame == Some(4), "{said}");
     }
 
     #[test]
