@@ -1,7 +1,7 @@
 //! Long runs and sudden ends: memory stays bounded; after a full disk, a closed pipe or a kill, printed lines are whole
 //! and earlier output files are unchanged.
 
-use crate::missing::{has, has_ffmpeg, skipped};
+use crate::missing::{has, has_ffmpeg, runs, skipped};
 use crate::program::{PROGRAM, host_sim, kill, utf8};
 use smr_recordings::synthetic;
 use std::fs::{self, File};
@@ -125,6 +125,155 @@ fn a_disk_that_fills_up_leaves_the_former_file() {
     }
     assert_eq!(fs::read_to_string(&clip).unwrap(), "former");
     assert_eq!(parts(folder.path()), 0, "nothing is left behind");
+}
+
+/// Writes each kind of output with files limited to ever more KiB (`ulimit -f`), up to the size that suffices.
+#[test]
+fn a_disk_that_fills_up_leaves_each_former_file() {
+    let test = "a_disk_that_fills_up_leaves_each_former_file";
+    let has_ffmpeg = has_ffmpeg(test);
+    let folder = tempfile::tempdir().unwrap();
+    let clip = folder.path().join("clip.mkv");
+    if has_ffmpeg {
+        let source = "-v error -f lavfi -i testsrc2=s=160x120:r=25:d=4 -f lavfi -i sine=d=4 -c:a pcm_s16le";
+        let mut ffmpeg = Command::new("ffmpeg");
+        assert!(runs(ffmpeg.args(source.split(' ')).args(["-c:v", "mjpeg", "-q:v", "5"]).arg(&clip)));
+    }
+    let (clip, init) = (utf8(&clip), ["--method", "smr", "--init", "60,50,30,30", "--frames"]);
+    let (track, sound) = (
+        ["track", "synthetic", "--method", "smr", "--frames", "..60"],
+        [&["track", clip][..], &init, &["..60"]].concat(),
+    );
+    let report = ["report", "synthetic", "--frames", "..20", "--out"];
+    let convert = ["convert", "synthetic", "--frames", "..20", "-o"];
+    for (arguments, option, name) in [
+        (&track[..], "-o", "boxes.csv"),
+        (&track, "-o", "boxes.json"),
+        (&track, "-o", "boxes.xml"),
+        (&track, "--video", "film.mp4"),
+        (&track, "--video", "film.mkv"),
+        (&sound, "--video", "sound.mp4"),
+        (&sound, "--video", "sound.mov"),
+        (&sound, "--video", "sound.webm"),
+        (&report[..4], "--out", "page.html"),
+        (&convert[..4], "-o", "clip.y4m"),
+        (&convert[..4], "-o", "clip.h"),
+    ] {
+        if option == "--video" && !has_ffmpeg {
+            continue;
+        }
+        let below = tempfile::tempdir().unwrap();
+        let out = below.path().join(name);
+        let mut failed = 0;
+        for limit in (0..).map(|step: u32| 3 * 3_u32.pow(step) / 2) {
+            fs::write(&out, "former").unwrap();
+            let script = format!("trap '' XFSZ; ulimit -f {limit}; exec \"$0\" \"$@\"");
+            let mut shell = Command::new("sh");
+            shell.args(["-c", &script, PROGRAM]).args(arguments).arg(option).arg(&out).stdout(Stdio::null());
+            let output = shell.output().expect("there is a shell");
+            let err = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(fs::read_dir(below.path()).unwrap().count(), 1, "{name}: nothing else is left: {err}");
+            if output.status.success() {
+                assert!(fs::metadata(&out).unwrap().len() > 512 && !err.contains("no sound"), "{name}, {limit}: {err}");
+                break;
+            }
+            failed += 1;
+            assert_eq!(output.status.code(), Some(2), "{name}, {limit}: {err}");
+            assert_eq!(err.lines().filter(|line| line.starts_with("error: cannot write ")).count(), 1, "{name}: {err}");
+            assert!(err.contains(name), "{name}: {err}");
+            assert_eq!(fs::read_to_string(&out).unwrap(), "former", "{name}, {limit}");
+        }
+        assert!(failed > 0, "{name}: the test can fail");
+    }
+}
+
+/// An ffmpeg that ends with success after half of the work, as on a full disk.
+#[cfg(unix)]
+#[test]
+fn half_a_video_is_no_video() {
+    use std::os::unix::fs::PermissionsExt;
+    let test = "half_a_video_is_no_video";
+    if !has_ffmpeg(test) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (programs, out) = (folder.path().join("programs"), folder.path().join("film.mp4"));
+    fs::create_dir(&programs).unwrap();
+    let path = std::env::var_os("PATH").unwrap();
+    let real = std::env::split_paths(&path).map(|place| place.join("ffmpeg")).find(|file| file.is_file()).unwrap();
+    let both = std::env::join_paths(std::iter::once(programs.clone()).chain(std::env::split_paths(&path))).unwrap();
+    // Encoding is the only run that reads pictures from a pipe; its last argument is the file.
+    let half = "for file; do :; done; \"$REAL\" \"$@\" && case \"$*\" in";
+    for (damage, said) in [
+        (
+            "head -c 2000 \"$file\" > \"$file.half\"; cat \"$file.half\" > \"$file\"; rm \"$file.half\"",
+            "is the disk full?",
+        ),
+        (
+            "\"$REAL\" -v quiet -i \"$file\" -frames:v 7 -f mp4 \"$file.half\"; cat \"$file.half\" > \"$file\"; rm \"$file.half\"",
+            "7 of 30 frames",
+        ),
+        (": > \"$file\"", "is the disk full?"),
+    ] {
+        let script = format!("#!/bin/sh\n{half} *'-i - '*) {damage};; esac; exit 0\n");
+        fs::write(programs.join("ffmpeg"), script).unwrap();
+        fs::set_permissions(programs.join("ffmpeg"), fs::Permissions::from_mode(0o755)).unwrap();
+        fs::write(&out, "former").unwrap();
+        let mut track = command(&["track", "synthetic", "--frames", "..30", "--video", utf8(&out)]);
+        let output = track.env("PATH", &both).env("REAL", &real).output().unwrap();
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), err.lines().count()), (Some(2), 1), "{err}");
+        assert!(err.starts_with("error: cannot write ") && err.contains(said), "{err}");
+        assert_eq!(fs::read_to_string(&out).unwrap(), "former");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left behind");
+    }
+}
+
+/// The reader of a FIFO ends after the first bytes: not all was written, which is an error.
+#[cfg(unix)]
+#[test]
+fn a_file_whose_reader_goes_away_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, option, name) in [
+        (&["track", "synthetic"][..], "-o", "boxes.csv"),
+        (&["convert", "synthetic"], "-o", "clip.y4m"),
+        (&["report", "synthetic", "--frames", "..20"], "--out", "page.html"),
+    ] {
+        let fifo = folder.path().join(name);
+        assert!(runs(Command::new("mkfifo").arg(&fifo)));
+        let process = command(arguments).arg(option).arg(&fifo).spawn().expect("host-sim runs");
+        let mut reader = File::open(&fifo).unwrap();
+        if name == "clip.y4m" {
+            reader.read_exact(&mut [0; 100]).unwrap();
+        }
+        drop(reader);
+        let output = process.wait_with_output().unwrap();
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{name}: {err}");
+        let expected = format!("error: cannot write {}: its reader has ended before all was written\n", fifo.display());
+        assert!(err.ends_with(&expected), "{err}");
+    }
+    // Standard output stays a case of its own, also by its name as a file.
+    let (reader, writer) = std::io::pipe().expect("a pipe can be made");
+    drop(reader);
+    let output =
+        Command::new(PROGRAM).args(["track", "periodic", "-o", "/dev/stdout"]).stdout(writer).output().unwrap();
+    assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0));
+}
+
+/// These variables make ffmpeg color its messages, log more, or write a report into the working folder.
+#[test]
+fn variables_of_ffmpeg_do_not_reach_the_writer() {
+    if !has_ffmpeg("variables_of_ffmpeg_do_not_reach_the_writer") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let mut track = command(&["track", "synthetic", "--frames", "..5", "--video", "film.mp4"]);
+    track.envs([("AV_LOG_FORCE_COLOR", "1"), ("FFREPORT", "file=report.log:level=48"), ("AV_LOG_FORCE_256COLOR", "1")]);
+    let output = track.current_dir(&folder).output().unwrap();
+    assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
+    let names: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(names, ["film.mp4"]);
 }
 
 fn parts(folder: &Path) -> usize {

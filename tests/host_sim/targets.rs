@@ -94,3 +94,122 @@ fn a_video_keeps_colors_times_shape_and_sound() {
     let seconds: f64 = stream(&part, "a", "duration").parse().unwrap();
     assert!((seconds - expected[9]).abs() < 0.1, "{seconds} s of sound for {} s", expected[9]);
 }
+
+/// Makes a recording of moving pictures and a sound with a beep from 1.0 s to 1.1 s of its own time.
+fn beeping(file: &Path, pictures: &str, sound: &str, more: &[&str]) {
+    let beep = format!("aevalsrc='0.8*sin(5000*t)*between(t,1,1.1)':s=44100:d={sound}");
+    let source = format!("testsrc2=s=160x120:r=25:d={pictures}");
+    let inputs = ["-f", "lavfi", "-i", &source];
+    let (before, after): (Vec<&str>, Vec<&str>) = more.iter().partition(|word| word.starts_with("-itsoffset"));
+    let before: Vec<&str> = before.iter().flat_map(|word| word.split('=')).collect();
+    let pixels = if after.contains(&"mjpeg") { "yuvj420p" } else { "yuv420p" };
+    let rest = ["-f", "lavfi", "-i", &beep, "-pix_fmt", pixels];
+    run("ffmpeg", &[&inputs[..], &before, &rest, &after, &[utf8(file)]].concat());
+}
+
+/// Returns the length of a file's sound, and the time at which it gets loud, both in seconds.
+fn sound(file: &Path) -> (f64, f64) {
+    let decoded = |filter: &[&str]| {
+        let rest = ["-map", "0:a:0", "-f", "s16le", "-ac", "1", "-ar", "44100", "-"];
+        let mut ffmpeg = Command::new("ffmpeg");
+        ffmpeg.args(["-v", "error", "-i", utf8(file)]).args(filter).args(rest).output().unwrap().stdout
+    };
+    let seconds = |samples: usize| samples as f64 / 44100.0;
+    // Silence in front, so that the samples begin at the time 0 of the file.
+    let samples = decoded(&["-af", "aresample=async=1:first_pts=0"]);
+    let loud = samples.as_chunks().0.iter().position(|&sample| i16::from_le_bytes(sample).unsigned_abs() > 8000);
+    (seconds(decoded(&[]).len() / 2), loud.map_or(f64::NAN, seconds))
+}
+
+fn pictures(file: &Path) -> usize {
+    run("ffmpeg", &["-i", utf8(file), "-map", "0:v", "-c", "copy", "-f", "framecrc", "-"])
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .count()
+}
+
+/// Each case: recording, lengths of pictures and sound, ffmpeg options, video, frames, length of its sound (NaN: that
+/// of the recording's, which has silence that AAC adds) and time of the beep in it.
+#[test]
+fn a_video_has_the_sound_of_its_frames() {
+    if !has_ffmpeg("a_video_has_the_sound_of_its_frames") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let (mjpeg, h264) = (["-c:v", "mjpeg", "-c:a", "pcm_s16le"], ["-preset", "ultrafast", "-g", "12", "-bf", "2"]);
+    let mpeg = ["-c:v", "mpeg2video", "-g", "12", "-c:a", "mp2"];
+    let late = [&h264[..], &["-itsoffset=0.6"]].concat();
+    for (name, lengths, options, video, frames, length, beep) in [
+        ("a.avi", ("1.6", "1.6"), &mjpeg[..], "a.mp4", "..", 1.6, 1.0),
+        ("b.mkv", ("1.6", "1.6"), &h264, "b.mkv", "..", 1.6, 1.0),
+        ("c.ts", ("6", "6"), &h264, "c.webm", "..", 6.0, 1.0),
+        ("d.mpg", ("3", "3"), &mpeg, "d.mov", "..", 3.0, 1.0),
+        // The pictures do not cut the sound of a whole recording, and are not cut by it.
+        ("long.mp4", ("1.2", "2.4"), &h264, "long.mp4", "..", 2.4, 1.0),
+        ("short.mp4", ("3", "1.4"), &h264, "short.mkv", "..", 1.4, 1.0),
+        ("late.mp4", ("2.4", "1.4"), &late, "late.mp4", "..", f64::NAN, 1.6),
+        ("late.ts", ("2.4", "1.4"), &late, "late-ts.mp4", "..", f64::NAN, 1.6),
+        ("part.avi", ("3", "3"), &mjpeg, "part.mp4", "16..35", 0.8, 0.4),
+        ("part.ts", ("3", "3"), &h264, "part.mkv", "16..35", 0.8, 0.4),
+        ("part.mpg", ("3", "3"), &mpeg, "part.webm", "16..35", 0.8, 0.4),
+        ("end.mp4", ("3", "3"), &h264, "end.mp4", "21..", 2.2, 0.2),
+    ] {
+        let (recording, video) = (path(&format!("of-{name}")), path(video));
+        beeping(&recording, lengths.0, lengths.1, options);
+        let arguments =
+            ["track", utf8(&recording), "--method", "smr", "--init", "60,50,30,30", "--video", utf8(&video)];
+        let part = if frames == ".." { vec![] } else { vec!["--frames", frames] };
+        let said = host_sim(&[&arguments[..], &part].concat());
+        assert_eq!((said.code, said.err.contains("note")), (Some(0), false), "{name}: {}", said.err);
+        assert_eq!(pictures(&video), said.out.lines().count(), "{name}");
+        let (found, loud) = sound(&video);
+        let length = if length.is_nan() { sound(&recording).0 } else { length };
+        // A frame of sound has at most 1152 samples, 26 ms.
+        assert!((found - length).abs() < 0.03, "{name}: {found} s of sound, expected {length}");
+        assert!((loud - beep).abs() < 0.03, "{name}: the beep is at {loud} s, expected {beep}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 24, "nothing else is left");
+}
+
+#[test]
+fn sound_that_cannot_be_read_costs_no_video() {
+    if !has_ffmpeg("sound_that_cannot_be_read_costs_no_video") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    beeping(&path("whole.mkv"), "2", "2", &["-c:v", "mjpeg", "-c:a", "ac3"]);
+    let bytes = std::fs::read(path("whole.mkv")).unwrap();
+    let name = bytes.windows(5).position(|five| five == b"A_AC3").unwrap();
+    let mut unknown = bytes.clone();
+    unknown[name..name + 5].copy_from_slice(b"A_XYZ");
+    std::fs::write(path("unknown.mkv"), unknown).unwrap();
+    // Changes the head of an AC-3 frame in the middle, after its synchronization word.
+    let heads: Vec<usize> = (0..bytes.len() - 1).filter(|&at| bytes[at..at + 2] == [0x0B, 0x77]).collect();
+    let (mut damaged, at) = (bytes, heads[heads.len() / 2]);
+    damaged[at..at + 40].fill(0xFF);
+    std::fs::write(path("damaged.mkv"), damaged).unwrap();
+    beeping(&path("short.mkv"), "2", "0.5", &["-c:v", "mjpeg", "-c:a", "ac3"]);
+    run("ffmpeg", &["-i", utf8(&path("whole.mkv")), "-an", "-c", "copy", utf8(&path("silent.mkv"))]);
+    for (recording, more, count, note) in [
+        ("unknown", &[][..], 50, Some("that of FILE cannot be read, says ffmpeg: ")),
+        ("damaged", &[], 50, Some("that of FILE cannot be read, says ffmpeg: ")),
+        ("short", &["--frames", "26..45"], 20, Some("FILE has no sound in these frames")),
+        ("silent", &[], 50, None),
+    ] {
+        for ending in ["mp4", "webm"] {
+            let (file, video) = (path(&format!("{recording}.mkv")), path(&format!("{recording}.{ending}")));
+            let arguments = ["track", utf8(&file), "--method", "smr", "--init", "60,50,30,30", "--video", utf8(&video)];
+            let said = host_sim(&[&arguments[..], more].concat());
+            let notes: Vec<&str> = said.err.lines().filter(|line| !line.starts_with("warning")).collect();
+            assert_eq!((said.code, pictures(&video), notes.len()), (Some(0), count, usize::from(note.is_some())));
+            if let Some(note) = note {
+                let note = note.replace("FILE", utf8(&file));
+                assert!(notes[0].starts_with(&format!("note: {} has no sound: {note}", video.display())), "{notes:?}");
+            }
+            let streams = run("ffmpeg", &["-i", utf8(&video), "-c", "copy", "-map", "0", "-f", "framecrc", "-"]);
+            assert!(!streams.contains("audio"), "{recording}: {streams}");
+        }
+    }
+}

@@ -153,10 +153,6 @@ fn temporary(prefix: &str, mode: u32) -> tempfile::Builder<'_, 'static> {
     builder
 }
 
-pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
-    Output::create(name)?.end(bytes)
-}
-
 /// A new or empty folder that is being filled. Its files appear together in [`Folder::finish`].
 pub struct Folder {
     name: PathBuf,
@@ -323,6 +319,10 @@ fn cannot_make(folder: &Path) -> String {
 mod tests {
     use super::*;
 
+    fn write(name: &Path, bytes: &[u8]) -> Result<()> {
+        Output::create(name)?.end(bytes)
+    }
+
     fn names(folder: &Path) -> Vec<String> {
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
     }
@@ -343,6 +343,38 @@ mod tests {
         assert_eq!(fs::read(&file).unwrap(), b"former");
         output.finish().unwrap();
         assert_eq!((fs::read(&file).unwrap().as_slice(), names(folder.path()).len()), (&b"new"[..], 1));
+    }
+
+    #[test]
+    fn a_new_file_replaces_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a");
+        let written = |bytes: &[u8]| {
+            let mut output = Output::create(&file).unwrap();
+            output.write(bytes).unwrap();
+            output.finish_new().unwrap()
+        };
+        assert_eq!((written(b"first"), written(b"second")), (true, false));
+        assert_eq!((fs::read(&file).unwrap(), names(folder.path()).len()), (b"first".to_vec(), 1));
+    }
+
+    #[test]
+    fn of_moved_files_all_or_none_are_there() {
+        let above = tempfile::tempdir().unwrap();
+        let [from, to] = ["from", "to"].map(|name| above.path().join(name));
+        [&from, &to].map(|folder| fs::create_dir(folder).unwrap());
+        for name in ["1", "2", "3", "4"] {
+            fs::write(from.join(name), "").unwrap();
+        }
+        // A file cannot take the place of a folder.
+        for name in ["1", "3"] {
+            fs::create_dir(to.join(name)).unwrap();
+            assert!(move_all(&from, &to).is_err());
+            assert_eq!((names(&from).len(), names(&to)), (4, vec![name.to_owned()]));
+            fs::remove_dir(to.join(name)).unwrap();
+        }
+        move_all(&from, &to).unwrap();
+        assert_eq!((names(&from).len(), names(&to).len()), (0, 4));
     }
 
     #[test]

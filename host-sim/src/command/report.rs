@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Variant, result_files};
 use smr_pages::report::figures::{self, Figure, Plan};
 use smr_pages::report::{self, About, Film, Refusal};
-use smr_recordings::output::{self, Output, complain, print};
+use smr_recordings::output::{Output, complain, print};
 use smr_recordings::{BUILT_IN, FrameRange, Sequence, Source, Target, misfit};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -171,13 +171,17 @@ impl Report {
         }
         let film = watch(&plans.iter().flat_map(|plan| plan.frames.iter().copied()).collect())?;
         make_folder(folder)?;
-        let mut files = Vec::new();
+        let (mut files, mut outputs) = (Vec::new(), Vec::new());
         for plan in &plans {
             let (file, svg) = (folder.join(plan.figure.to_string()), plan.draw(&film)?);
-            output::write(&file, svg.as_bytes())?;
+            let mut output = Output::create(&file)?;
+            output.write(svg.as_bytes())?;
+            output.settle()?;
+            outputs.push(output);
             let frames = Some(plan.frames.iter().map(|index| index + 1).collect());
             files.push(Written { file: file.display().to_string(), bytes: svg.len(), frames });
         }
+        outputs.into_iter().try_for_each(Output::finish)?;
         Ok((files, left_out))
     }
 

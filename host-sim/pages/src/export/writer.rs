@@ -14,7 +14,7 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use smr_recordings::boxes::Form;
 use smr_recordings::messages::choice_name;
-use smr_recordings::output::{self, Folder, Output};
+use smr_recordings::output::{Folder, Output};
 use smr_recordings::{BoundingBox, GrayFrame};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -172,11 +172,12 @@ impl Writer {
             folder.write(file, text.as_bytes())?;
             written.boxes.push(file);
         }
+        let list = written.list.as_ref().map(|list| enlist(list, &name)).transpose()?.flatten();
+        let config = written.list.as_ref().and_then(|list| configuration(format, list));
+        let text = config.as_ref().map(|config| settled(config, WORKSPACE)).transpose()?;
         folder.finish()?;
-        if let Some(list) = &written.list {
-            enlist(list, &name)?;
-            written.config = configure(format, list)?;
-        }
+        list.into_iter().chain(text).try_for_each(Output::finish)?;
+        written.config = config;
         Ok(written)
     }
 }
@@ -237,30 +238,39 @@ fn files(
     files
 }
 
-/// Writes the configuration of a workspace of the VOT toolkit and returns its path, if `format` is VOT, `list` is in a
-/// folder called `sequences`, as in a workspace, and there is no configuration yet. The configuration names no data
-/// set, so that the toolkit downloads nothing. Version 0.9 of the toolkit runs the configured experiment.
-fn configure(format: Format, list: &Path) -> Result<Option<PathBuf>> {
-    const WORKSPACE: &str = "registry:\n- trackers.ini\nsequences: sequences\nstack:\n  title: Recordings of host-sim\n  experiments:\n    unsupervised:\n      type: unsupervised\n";
+/// Configuration of a workspace of the VOT toolkit. It names no data set, so that the toolkit downloads nothing. Version
+/// 0.9 of the toolkit runs the configured experiment.
+const WORKSPACE: &str = "registry:\n- trackers.ini\nsequences: sequences\nstack:\n  title: Recordings of host-sim\n  experiments:\n    unsupervised:\n      type: unsupervised\n";
+
+/// Returns the path of a workspace's configuration to write, if `format` is VOT, `list` is in a folder called
+/// `sequences`, as in a workspace, and there is no configuration yet.
+fn configuration(format: Format, list: &Path) -> Option<PathBuf> {
     let above = list.parent().filter(|above| above.ends_with("sequences") && format == Format::Vot);
-    let config = above.map(|above| above.with_file_name("config.yaml")).filter(|config| !config.exists());
-    config.map(|config| output::write(&config, WORKSPACE.as_bytes()).map(|()| config)).transpose()
+    above.map(|above| above.with_file_name("config.yaml")).filter(|config| !config.exists())
 }
 
-/// Appends the sequence `name` to the file `list`, unless it is listed.
-fn enlist(list: &Path, name: &str) -> Result<()> {
+/// Appends the sequence `name` to the file `list`, which is not finished yet; `None` if the sequence is listed.
+fn enlist(list: &Path, name: &str) -> Result<Option<Output>> {
     let mut text = if list.is_file() {
         fs::read_to_string(list).with_context(|| format!("cannot read {}", list.display()))?
     } else {
         String::new()
     };
     if text.lines().any(|line| line.trim() == name) {
-        return Ok(());
+        return Ok(None);
     }
     if !text.is_empty() && !text.ends_with('\n') {
         text.push('\n');
     }
-    output::write(list, (text + name + "\n").as_bytes())
+    settled(list, &(text + name + "\n")).map(Some)
+}
+
+/// Writes a file to the disk, which `finish` then only renames.
+fn settled(file: &Path, text: &str) -> Result<Output> {
+    let mut output = Output::create(file)?;
+    output.write(text.as_bytes())?;
+    output.settle()?;
+    Ok(output)
 }
 
 #[cfg(test)]

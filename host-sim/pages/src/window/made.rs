@@ -82,9 +82,14 @@ impl Made {
         self.folder.private("open.html", lead.as_bytes())
     }
 
-    /// Starts the program that writes a file. `tell` is called with the file's id now and after each step of progress.
-    /// Errors: Too many files are being made already, or the program does not start.
-    pub(super) fn begin(self: &Arc<Self>, job: Job, tell: impl Fn(u32) + Send + 'static) -> Result<u32> {
+    /// Starts the program that writes a file. `tell` is called with the file's id now and after each step of progress,
+    /// `say` with the program's notes. Errors: Too many files are being made already, or the program does not start.
+    pub(super) fn begin(
+        self: &Arc<Self>,
+        job: Job,
+        tell: impl Fn(u32) + Send + 'static,
+        say: impl Fn(String) + Send + 'static,
+    ) -> Result<u32> {
         let Job { name, words, lines } = job;
         let mut all = self.progress();
         let running = all.values().filter(|one| one.process.is_some()).count();
@@ -108,7 +113,10 @@ impl Made {
                 progress.process = None;
                 match ended {
                     _ if progress.cancelled => {}
-                    Ok(()) => (progress.done, progress.file) = (Some(1.0), Some(progress.name.clone())),
+                    Ok(notes) => {
+                        (progress.done, progress.file) = (Some(1.0), Some(progress.name.clone()));
+                        notes.into_iter().for_each(&say);
+                    }
                     Err(error) => progress.error = Some(messages::of(&error)),
                 }
                 if progress.file.is_none() {
@@ -132,8 +140,9 @@ impl Made {
         Ok(())
     }
 
-    /// Waits for the program to end; each line that it prints is progress. Errors: The program's message, if it fails.
-    fn watch(&self, process: &Process, id: u32, lines: usize, tell: &impl Fn(u32)) -> Result<()> {
+    /// Waits for the program to end, and returns its notes; each line that it prints is progress. Errors: The program's
+    /// message, if it fails.
+    fn watch(&self, process: &Process, id: u32, lines: usize, tell: &impl Fn(u32)) -> Result<Vec<String>> {
         let said = process.said();
         let printed = process.output().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok);
         for (count, _) in printed.enumerate() {
@@ -152,6 +161,8 @@ impl Made {
         // Notes and warnings precede the line that begins with `error: `.
         let complaint = said.lines().find_map(|line| line.strip_prefix("error: ")).or(said.lines().next_back());
         ensure!(status.success(), "{}", complaint.unwrap_or("host-sim gives no reason"));
-        Ok(())
+        // The program knows the file by its place in a temporary folder.
+        let place = self.folder_of(id).join("").display().to_string();
+        Ok(said.lines().filter_map(|line| Some(line.strip_prefix("note: ")?.replace(&place, ""))).collect())
     }
 }

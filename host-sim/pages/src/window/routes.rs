@@ -297,8 +297,9 @@ impl Window {
 
     fn make(&self, ending: &str) -> Result<Reply> {
         let job = self.requests.made(self, ending)?;
-        let followed = Arc::clone(&self.followed);
-        let id = self.made.begin(job, move |id| followed.tell(|log| log.log_progress(id)))?;
+        let [followed, told] = [(); 2].map(|()| Arc::clone(&self.followed));
+        let say = move |note| told.tell(|log| log.say(note));
+        let id = self.made.begin(job, move |id| followed.tell(|log| log.log_progress(id)), say)?;
         Ok(json_reply(&json!(self.made.of(id))))
     }
 }
