@@ -362,7 +362,7 @@ mod tests {
     fn of_moved_files_all_or_none_are_there() {
         let above = tempfile::tempdir().unwrap();
         let [from, to] = ["from", "to"].map(|name| above.path().join(name));
-        [&from, &to].map(|folder| fs::create_dir(folder).unwrap());
+        [&from, &to].into_iter().for_each(|folder| fs::create_dir(folder).unwrap());
         for name in ["1", "2", "3", "4"] {
             fs::write(from.join(name), "").unwrap();
         }

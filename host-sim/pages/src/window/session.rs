@@ -306,13 +306,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let other = serde_json::to_vec(&Work::new("another recording")).unwrap();
-        let puts: [(&str, &dyn Fn(&Path)); 4] = [
-            ("notes", &|file| fs::write(file, "my notes").unwrap()),
-            ("nothing", &|file| fs::write(file, "").unwrap()),
-            ("session", &|file| fs::write(file, &other).unwrap()),
-            ("folder", &|file| fs::create_dir(file).unwrap()),
-        ];
-        for (name, put) in puts {
+        for (name, content) in
+            [("notes", Some(&b"my notes"[..])), ("empty", Some(b"")), ("session", Some(&other)), ("folder", None)]
+        {
+            let put = |file: &Path| content.map_or_else(|| fs::create_dir(file), |bytes| fs::write(file, bytes));
             for is_first in [true, false] {
                 let file = path(&format!("{name}-{is_first}.json"));
                 let (session, _) = Session::open(Some(file.clone()), "a").unwrap();
@@ -320,7 +317,7 @@ mod tests {
                     assert_eq!(session.keep(|_| ()), None);
                     fs::remove_file(&file).unwrap();
                 }
-                put(&file);
+                put(&file).unwrap();
                 let before = (file.is_dir(), fs::read(&file).ok());
                 assert_eq!(session.shows(5), None);
                 let said = session.keep(|_| ()).unwrap();
