@@ -174,7 +174,7 @@ impl Flight {
             }
             Entry::Moved { .. } => self.moved += 1,
             Entry::Window { window, sweep, .. } => {
-                self.pixels += u64::from(window.area() + sweep.unwrap_or_default().area());
+                self.pixels += u64::from(window.area()) + u64::from(sweep.unwrap_or_default().area());
             }
             Entry::Answer(answer) => {
                 self.answers += u64::from(alike);

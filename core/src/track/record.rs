@@ -77,10 +77,13 @@
 //!   are always 1 after `sweep`. The number of the refiner is left out if it is off
 //!
 //! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in
-//! the middle of an entry that was cut off: firmware that restarts appends to the record.
+//! the middle of an entry that was cut off: firmware that restarts appends to the record. Its content has at most 640
+//! bytes in every version.
 
 mod read;
 mod replay;
+#[cfg(test)]
+mod tests;
 
 pub use read::{Begin, Damage, Entries, Entry, Flaw, Found, entries, first};
 pub use replay::{Difference, Player, Replayed, Stop, replay};
@@ -143,7 +146,9 @@ pub trait Recorded: Target<Config: Settings> {
 impl<T: Target<Config: Settings>> Recorded for T {}
 
 /// Writes a record; see the [module](self). Each call writes one entry in chunks: a row of pixels, a saved target, or
-/// at most 64 bytes. After an error of the writer, later calls write nothing, so that nothing follows half an entry.
+/// at most 64 bytes. After an error of the writer, later calls write nothing, so that nothing follows half an entry. An
+/// entry with more than `u32::MAX` bytes of content, as the two windows of a frame of 65,535x65,535 pixels can have, is
+/// not written either, nor are later ones: see [`Recorder::is_whole`].
 pub struct Recorder<W> {
     write: W,
     entries: u32,
@@ -211,7 +216,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     pub fn lock_of(&mut self, frame: &Frame<'_>, locked: Rect, window: Rect) -> Result<(), E> {
         // A lock whose `window` is empty or not wholly in memory has failed and changed nothing: nothing to record.
         let Some(pixels) = frame.patch(window) else { return Ok(()) };
-        self.entry(Tag::Lock, 20 + window.area(), |entry| {
+        self.entry(Tag::Lock, 20 + u64::from(window.area()), |entry| {
             entry.size(frame);
             entry.rect(locked);
             entry.rect(window);
@@ -249,7 +254,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     #[doc(hidden)]
     #[inline(never)] // one copy for both trackers
     pub fn window_of(&mut self, frame: &Frame<'_>, window: Rect, sweep: Rect) -> Result<(), E> {
-        self.entry(Tag::Window, 20 + window.area() + sweep.area(), |entry| {
+        self.entry(Tag::Window, 20 + u64::from(window.area()) + u64::from(sweep.area()), |entry| {
             entry.size(frame);
             entry.rect(window);
             entry.rect(sweep);
@@ -285,16 +290,19 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     /// # Errors
     /// The writer's.
     pub fn restored(&mut self, saved: &[u8]) -> Result<(), E> {
-        let length = u32::try_from(saved.len()).unwrap_or(0);
-        self.entry(Tag::Restored, length, |entry| entry.put(saved))
+        self.entry(Tag::Restored, saved.len() as u64, |entry| entry.put(saved))
     }
 
-    /// True if everything was written; false once the writer has failed.
+    /// True if everything was written; false once the writer has failed or an entry was too large.
     pub const fn is_whole(&self) -> bool {
         !self.failed
     }
 
-    fn entry(&mut self, tag: Tag, length: u32, fill: impl FnOnce(&mut Writing<'_, E, W>)) -> Result<(), E> {
+    fn entry(&mut self, tag: Tag, length: u64, fill: impl FnOnce(&mut Writing<'_, E, W>)) -> Result<(), E> {
+        let Ok(length) = u32::try_from(length) else {
+            self.failed = true;
+            return Ok(());
+        };
         if self.failed {
             return Ok(());
         }

@@ -3,7 +3,7 @@
 
 use arbitrary::{Result, Unstructured};
 use host_sim::replay::replay;
-use smr_core::record::{AROUND, HEAD, Tag};
+use smr_core::record::{self, AROUND, HEAD, Tag};
 use std::sync::LazyLock;
 
 type Entry = Vec<u8>;
@@ -22,7 +22,11 @@ static FLIGHTS: LazyLock<[Vec<Entry>; 2]> = LazyLock::new(|| {
 pub(crate) fn run(bytes: &[u8]) -> Result<()> {
     let u = &mut Unstructured::new(bytes);
     if u.ratio(1, 32)? {
-        let _ = replay(u.bytes(u.len())?, false, || ());
+        let record = u.bytes(u.len())?;
+        let _ = replay(record, false, || ());
+        let mut all = record::entries(record);
+        all.by_ref().for_each(drop);
+        assert!(all.work() <= 70 * record.len() as u64, "{} for {} bytes", all.work(), record.len());
         return Ok(());
     }
     let of_robust = u.ratio(1, 32)?;

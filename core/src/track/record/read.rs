@@ -1,4 +1,9 @@
 //! Parses and checks the entries of a record.
+//!
+//! Bytes that belong to no entry may hold the heads of many damaged entries, each of which claims most of the record. So
+//! that the work stays linear in the size of the record, [`Entries`] checksums damaged entries of [`DAMAGED`] times that
+//! size. After that, an entry that holds a whole `SMRB` is cut off by it, and skipped bytes that may hold an entry are
+//! damage. An intact record never gets there.
 
 use super::{AROUND, HEAD, Tag, VERSION};
 use crate::image::{FineRect, Frame, Image, Rect};
@@ -11,12 +16,16 @@ use core::{fmt, mem};
 /// `TABLE`: number of entries in a similarity table. `MOST`: maximum number of a configuration's other values.
 const TABLE: usize = 256;
 const MOST: usize = 32;
+/// The largest content of an `SMRB` in any version, in bytes.
+const MOST_BEGIN: usize = 640;
+/// The bytes of damaged entries that are checksummed for each byte of the record.
+const DAMAGED: usize = 8;
 
 /// The entries of `record`, in order. Bytes that belong to no entry are skipped before an `SMRB` (begin) and at the
 /// end: restarted firmware appends to a truncated record, see [`Entries::cut_off`]. The [module](super) has an example.
 #[must_use]
 pub const fn entries(record: &[u8]) -> Entries<'_> {
-    Entries { record, at: 0, next: 0, cut_off: 0 }
+    Entries { record, at: 0, next: 0, cut_off: 0, begin: None, spare: record.len().saturating_mul(DAMAGED), work: 0 }
 }
 
 /// Parses the complete entry at the start of `bytes`. Its first [`HEAD`] bytes end with the length of its content.
@@ -25,9 +34,9 @@ pub const fn entries(record: &[u8]) -> Entries<'_> {
 /// [`Flaw::NoEntry`] if no whole entry begins there, else what is wrong with its content.
 pub fn first(bytes: &[u8]) -> Result<Found<'_>, Damage> {
     let of = |flaw| Damage { at: 0, flaw };
-    let (tag, number, content) = split_entry(bytes).ok_or(of(Flaw::NoEntry(bytes.len())))?;
-    let entry = read(tag, content).map_err(of)?;
-    Ok(Found { at: 0, size: AROUND + content.len(), number, entry })
+    let claim = Claim::at(bytes).filter(Claim::is_intact).ok_or(of(Flaw::NoEntry(bytes.len())))?;
+    let entry = read(claim.tag, claim.content).map_err(of)?;
+    Ok(Found { at: 0, size: claim.size(), number: claim.number, entry })
 }
 
 /// An iterator over the entries of a record: see [`entries`]. It ends after the first damage.
@@ -38,6 +47,11 @@ pub struct Entries<'a> {
     /// The number that the next entry must have, unless it begins a record.
     next: u32,
     cut_off: usize,
+    /// The last answer of `find_begin`.
+    begin: Option<usize>,
+    /// Bytes of damaged entries that may still be checksummed.
+    spare: usize,
+    work: u64,
 }
 
 /// An entry, and its place in the record.
@@ -138,7 +152,8 @@ pub struct Damage {
 #[non_exhaustive]
 pub enum Flaw {
     /// The count of bytes from `Damage::at` on that belong to no entry, although an entry other than `Entry::Begin`
-    /// follows them. From `first`: the count of all bytes passed to it, because no intact entry begins there.
+    /// follows them, or may follow: after 8 times the record's bytes in damaged entries, no others are checked. From
+    /// `first`: the count of all bytes passed to it, because no intact entry begins there.
     NoEntry(usize),
     /// The entry with this number is missing.
     Missing(u32),
@@ -172,6 +187,50 @@ impl Entries<'_> {
         self.cut_off
     }
 
+    /// The bytes that were checksummed so far: at most 70 for each byte of the record. For tests.
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn work(&self) -> u64 {
+        self.work
+    }
+
+    fn is_intact(&mut self, claim: &Claim<'_>) -> bool {
+        self.work += claim.size() as u64;
+        claim.is_intact()
+    }
+
+    /// True if the entry that `claim` describes begins at `self.at`. `None` if that may be so, but no work is left to
+    /// tell. `is_next`: no bytes were skipped before it.
+    fn check(&mut self, claim: &Claim<'_>, is_next: bool) -> Option<bool> {
+        if claim.is_begin() {
+            return Some(self.find_begin(self.at) == self.at);
+        }
+        if claim.size() <= self.spare {
+            let is_intact = self.is_intact(claim);
+            self.spare -= if is_intact { 0 } else { claim.size() };
+            return Some(is_intact);
+        }
+        // If an entry that ends before the next `SMRB` is damaged, its bytes are skipped and never checksummed again.
+        is_next.then(|| self.at + claim.size() <= self.find_begin(self.at + 1) && self.is_intact(claim))
+    }
+
+    /// Offset of the first intact `SMRB` from `start` on; the end of the record if there is none. `start` never decreases,
+    /// so no byte is searched twice.
+    fn find_begin(&mut self, start: usize) -> usize {
+        if let Some(begin) = self.begin.filter(|&begin| begin >= start) {
+            return begin;
+        }
+        let mut begin = start;
+        while let Some(rest) = self.record.get(begin..).filter(|rest| !rest.is_empty()) {
+            if Claim::at(rest).is_some_and(|claim| claim.is_begin() && self.is_intact(&claim)) {
+                break;
+            }
+            begin += 1;
+        }
+        self.begin = Some(begin);
+        begin
+    }
+
     fn end(&mut self) {
         self.record = &[];
     }
@@ -182,7 +241,7 @@ impl<'a> Iterator for Entries<'a> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let start = self.at;
-        let (tag, number, content) = loop {
+        let claim = loop {
             let rest = self.record.get(self.at..).filter(|rest| !rest.is_empty());
             let Some(rest) = rest else {
                 self.cut_off = self.at - start.min(self.at);
@@ -190,14 +249,21 @@ impl<'a> Iterator for Entries<'a> {
                 self.end();
                 return None;
             };
-            if let Some(found) = split_entry(rest) {
-                break found;
+            if let Some(claim) = Claim::at(rest) {
+                match self.check(&claim, self.at == start) {
+                    Some(true) => break claim,
+                    Some(false) => {}
+                    None => {
+                        self.end();
+                        return Some(Err(Damage { at: start, flaw: Flaw::NoEntry(self.at - start) }));
+                    }
+                }
             }
             self.at += 1;
         };
         let at = self.at;
         self.cut_off = at - start.min(at);
-        let size = AROUND + content.len();
+        let (size, Claim { tag, number, content, .. }) = (claim.size(), claim);
         self.at += size;
         let expected = if tag == Tag::Begin { 0 } else { self.next };
         self.next = number.wrapping_add(1);
@@ -215,17 +281,42 @@ impl<'a> Iterator for Entries<'a> {
     }
 }
 
-/// (tag, number, content) of the entry at the start of `bytes`; `None` if it is incomplete or damaged.
-#[inline(never)]
-fn split_entry(bytes: &[u8]) -> Option<(Tag, u32, &[u8])> {
-    let mut head = Reader { bytes };
-    let tag = head.take()?;
-    let tag = Tag::ALL.into_iter().find(|known| known.bytes() == tag)?;
-    let (number, length) = (head.u32()?, usize::try_from(head.u32()?).ok()?);
-    let content = head.slice(length)?;
-    let sum = head.u32()?;
-    let summed = bytes.get(..HEAD + content.len())?;
-    (Crc::of(summed) == sum).then_some((tag, number, content))
+/// The entry that a head describes. All its bytes are there, but they may be damaged.
+struct Claim<'a> {
+    tag: Tag,
+    number: u32,
+    content: &'a [u8],
+    /// Head and content.
+    summed: &'a [u8],
+    sum: u32,
+}
+
+impl<'a> Claim<'a> {
+    /// The claim of the head at the start of `bytes`; `None` if there is none, or if the entry is incomplete.
+    #[inline(never)]
+    fn at(bytes: &'a [u8]) -> Option<Self> {
+        let mut head = Reader { bytes };
+        let tag = head.take()?;
+        let tag = Tag::ALL.into_iter().find(|known| known.bytes() == tag)?;
+        let (number, length) = (head.u32()?, usize::try_from(head.u32()?).ok()?);
+        let content = head.slice(length)?;
+        let sum = head.u32()?;
+        Some(Self { tag, number, content, summed: bytes.get(..HEAD + content.len())?, sum })
+    }
+
+    const fn size(&self) -> usize {
+        AROUND + self.content.len()
+    }
+
+    /// True for an `SMRB` that any version can have written. No two of them begin within 12 bytes, and each is small, so
+    /// the work to check all of them is at most (640 + 16) / 12 bytes for each byte of the record.
+    const fn is_begin(&self) -> bool {
+        matches!(self.tag, Tag::Begin) && self.number == 0 && self.content.len() <= MOST_BEGIN
+    }
+
+    fn is_intact(&self) -> bool {
+        Crc::of(self.summed) == self.sum
+    }
 }
 
 #[inline(never)]
