@@ -116,7 +116,7 @@ int main(int argc, char **argv)
     smr_config config;
     smr_tracker *tracker;
     smr_frame frame;
-    smr_recorder recorder = {to_file, NULL, 0, 0, 0, NULL};
+    smr_recorder recorder = {to_file, NULL, 0, 0, NULL};
 
     if (argc == 3 && (recorder.context = fopen(argv[2], "wb")) == NULL) {
         fprintf(stderr, "cannot write %s\n", argv[2]);

@@ -29,7 +29,9 @@
  * when the target is not visible, and searches for it then. It takes more memory and time. All calls are the same.
  *
  * - **Errors.** Every call checks its pointers (NULL, alignment) and sizes and returns an #smr_status;
- *   #smr_status_name gives its name. A call that fails changes neither the tracker nor the memory for its results.
+ *   #smr_status_name gives its name. A call that fails changes nothing: neither a tracker, nor a lock or update that is under way in
+ *   steps, nor the memory for its results. Exceptions: #smr_init sets its handle to NULL, and a readout keeps the lines before the
+ *   wrong one and the index of that line.
  * - **What cannot be checked.** A pointer that is neither NULL nor misaligned must point to memory of the size of its type, or of the
  *   stated size. Memory that a call reads must be initialised. Nobody else may write there during the call. A tracker
  *   pointer must come from #smr_init, and `method` of an #smr_config must be NULL or unchanged.
@@ -941,13 +943,9 @@ typedef struct smr_recorder {
    */
   uint32_t entries;
   /**
-   * 1 once `write` has failed; then nothing more is written.
+   * 1 once `write` has failed or an entry would have more than 4 GiB; then nothing more is written.
    */
   uint8_t failed;
-  /**
-   * 1 while an update in steps is under way.
-   */
-  uint8_t under_way;
   /**
    * The recorded tracker.
    */
@@ -1201,7 +1199,7 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
  * @param bbox     The box, completely inside the frame; for the paper's tracker at most #SMR_PIXELS pixels.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
  *                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME) or of the box (#SMR_ERROR_BOX_EMPTY to
- *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker keeps its previous target.
+ *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY).
  */
 smr_status smr_lock(struct smr_tracker *tracker,
                     const struct smr_frame *frame,
@@ -1236,7 +1234,7 @@ smr_status smr_lock_step(struct smr_tracker *tracker,
  * @param answer   Is set to the answer; unchanged after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
  *                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_LOCKED, #SMR_ERROR_FRAME_SIZE_CHANGED or
- *                 #SMR_ERROR_WINDOW_NOT_IN_MEMORY. After an error the tracker is unchanged.
+ *                 #SMR_ERROR_WINDOW_NOT_IN_MEMORY.
  */
 smr_status smr_update(struct smr_tracker *tracker,
                       const struct smr_frame *frame,
@@ -1245,7 +1243,8 @@ smr_status smr_update(struct smr_tracker *tracker,
 /**
  * Does one bounded step of an update, for programs with a deadline. Begins an update, or continues the one under way.
  * Call it again while it returns #SMR_UNDER_WAY. The answer equals that of #smr_update, however small the steps. Any
- * other call that may change the tracker cancels the update; so does another tracker that uses the same workspace.
+ * other call that changes the tracker cancels the update; so does a lock or an update of another tracker in the same
+ * workspace. A call that fails, of this or the other tracker, does not.
  *
  * The unit of work depends on the tracker:
  * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
@@ -1361,7 +1360,7 @@ smr_status smr_save(const struct smr_tracker *tracker,
  * @param size     The number of bytes; excess bytes are ignored.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
  *                 #SMR_ERROR_OVERLAPS_TRACKER, #SMR_ERROR_OTHER_METHOD or an error of the bytes (#SMR_ERROR_NOT_SAVED to
- *                 #SMR_ERROR_SAVED_TOO_LARGE). After an error the tracker is unchanged.
+ *                 #SMR_ERROR_SAVED_TOO_LARGE).
  */
 smr_status smr_restore(struct smr_tracker *tracker,
                        const uint8_t *bytes,
@@ -1453,8 +1452,8 @@ smr_status smr_readout_frame(const struct smr_readout *readout,
  * Starts a flight record of a tracker: passes each later lock, update, move and restored target to `write`. `host-sim
  * replay FILE` replays the record and reports where the replay first differs. smr_core::record documents every byte.
  *
- * Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. If trackers share a
- * workspace, finish an update in steps before you call another one. `write` runs inside the recorded calls.
+ * Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. `write` runs inside
+ * the recorded calls. A call that fails is not recorded.
  *
  * @param tracker   Made by #smr_init.
  * @param recorder  Must stay in place, for this tracker alone, while it is used. NULL or #smr_init ends the record.

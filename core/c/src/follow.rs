@@ -11,7 +11,7 @@ use crate::status::{
     SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, SMR_ERROR_STORAGE_TOO_SMALL, SMR_ERROR_WORKSPACE_TOO_SMALL, smr_status,
     status_of,
 };
-use crate::tracker::{Event, Known, borrow, each, repeat_until_done, smr_tracker, with_frame, write_result};
+use crate::tracker::{Event, Known, borrow, each, smr_tracker, with_frame, write_result};
 use core::ffi::c_void;
 use core::ptr;
 use smr_core::{Rect, Target};
@@ -146,7 +146,7 @@ pub unsafe extern "C" fn smr_lock_window(
 /// @param bbox     The box, completely inside the frame; for the paper's tracker at most #SMR_PIXELS pixels.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
 ///                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME) or of the box (#SMR_ERROR_BOX_EMPTY to
-///                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker keeps its previous target.
+///                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_lock(
     tracker: *mut smr_tracker,
@@ -155,11 +155,7 @@ pub unsafe extern "C" fn smr_lock(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| {
-            let bbox = pointer::read(bbox)?.into();
-            tracker.cancel();
-            repeat_until_done(|| tracker.lock_step(frame, &bbox, u32::MAX))
-        })
+        with_frame(tracker, frame, |tracker, frame| tracker.lock_step(frame, &pointer::read(bbox)?.into(), None))
     })
 }
 
@@ -182,7 +178,7 @@ pub unsafe extern "C" fn smr_lock_step(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| tracker.lock_step(frame, &pointer::read(bbox)?.into(), work))
+        with_frame(tracker, frame, |tracker, frame| tracker.lock_step(frame, &pointer::read(bbox)?.into(), Some(work)))
     })
 }
 
@@ -197,7 +193,7 @@ pub unsafe extern "C" fn smr_lock_step(
 /// @param answer   Is set to the answer; unchanged after an error.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
 ///                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_LOCKED, #SMR_ERROR_FRAME_SIZE_CHANGED or
-///                 #SMR_ERROR_WINDOW_NOT_IN_MEMORY. After an error the tracker is unchanged.
+///                 #SMR_ERROR_WINDOW_NOT_IN_MEMORY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_update(
     tracker: *mut smr_tracker,
@@ -208,15 +204,16 @@ pub unsafe extern "C" fn smr_update(
     status_of(unsafe {
         with_frame(tracker, frame, |tracker, frame| {
             let out = Out::new(answer)?;
-            tracker.cancel();
-            repeat_until_done(|| tracker.update_step(frame, u32::MAX, &out))
+            tracker.begin_update(frame, None)?;
+            tracker.update_step(frame, None, &out)
         })
     })
 }
 
 /// Does one bounded step of an update, for programs with a deadline. Begins an update, or continues the one under way.
 /// Call it again while it returns #SMR_UNDER_WAY. The answer equals that of #smr_update, however small the steps. Any
-/// other call that may change the tracker cancels the update; so does another tracker that uses the same workspace.
+/// other call that changes the tracker cancels the update; so does a lock or an update of another tracker in the same
+/// workspace. A call that fails, of this or the other tracker, does not.
 ///
 /// The unit of work depends on the tracker:
 /// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
@@ -238,7 +235,11 @@ pub unsafe extern "C" fn smr_update_step(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| tracker.update_step(frame, work, &Out::new(answer)?))
+        with_frame(tracker, frame, |tracker, frame| {
+            let out = Out::new(answer)?;
+            tracker.begin_update(frame, Some(work))?;
+            tracker.update_step(frame, Some(work), &out)
+        })
     })
 }
 

@@ -19,7 +19,8 @@ use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
 use core::ptr::{self, NonNull};
-use smr_core::{Frame, Rect, Robust, Target, calls};
+use smr_core::calls::{self, Checked};
+use smr_core::{Frame, Rect, Robust, Target};
 
 /// A tracker of `smr-core`, with what C needs to construct it.
 pub(crate) trait Method: Target + 'static {
@@ -106,7 +107,7 @@ struct Scratch<T: Method> {
     /// Result of [`Scratch::mark_of`] for the workspace's address. Any other value shows that the memory is not a
     /// workspace for this type of tracker.
     mark: usize,
-    /// Address of the [`OwnTracker`] that used the workspace last. Only it may continue a lock or update in steps.
+    /// Address of the [`OwnTracker`] whose lock or update may be under way; 0 if none is. Only it may continue.
     owner: usize,
     workspace: T::Workspace,
 }
@@ -164,7 +165,8 @@ impl<T: Method> OwnTracker<T> {
         NonNull::new(workspace)
     }
 
-    /// The target and its workspace. Cancels a lock or update in steps that another tracker has begun in the workspace.
+    /// The target and its workspace, for a call that has passed its checks. Cancels a lock or update in steps that
+    /// another tracker has begun in the workspace.
     #[inline(never)] // one copy in flash
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
         let owner = ptr::from_ref(self).addr();
@@ -199,18 +201,26 @@ impl<T: Method> Tracked for OwnTracker<T> {
         self.target.lock_window(bounds, target)
     }
 
-    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: u32) -> Result<(), smr_status> {
+    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: Option<u32>) -> Result<(), smr_status> {
+        let checked = Checked::lock(&self.target, frame, *bbox)?;
         let (target, workspace) = self.parts()?;
-        if !calls::step_lock(target, workspace, frame, *bbox, work)? {
+        checked.begin(target, workspace, work);
+        if !calls::step_lock(target, workspace, frame, work) {
             return Err(SMR_UNDER_WAY);
         }
         calls::commit_lock(target, workspace, frame);
         Ok(())
     }
 
-    fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status> {
+    fn begin_update(&mut self, frame: &Frame<'_>, work: Option<u32>) -> Result<bool, smr_status> {
+        let checked = Checked::update(&self.target, frame)?;
         let (target, workspace) = self.parts()?;
-        if !calls::step(target, workspace, frame, work)? {
+        Ok(checked.begin(target, workspace, work))
+    }
+
+    fn update_step(&mut self, frame: &Frame<'_>, work: Option<u32>, out: &Out<smr_answer>) -> Result<(), smr_status> {
+        let (target, workspace) = self.parts()?;
+        if !calls::step(target, workspace, frame, work) {
             return Err(SMR_UNDER_WAY);
         }
         conclude(target, workspace, frame, out);
@@ -232,14 +242,23 @@ impl<T: Method> Tracked for OwnTracker<T> {
     }
 
     fn cancel(&mut self) {
-        // `parts` fails only if the workspace was overwritten. Then there is no call under way to cancel.
-        if let Ok((_, workspace)) = self.parts() {
-            calls::end::<T>(workspace);
+        let own = ptr::from_ref(self).addr();
+        // Without a workspace, because its memory was overwritten, nothing is under way.
+        if let Some(mut scratch) = self.workspace() {
+            // SAFETY: as for `parts`.
+            let owner = unsafe { &mut scratch.as_mut().owner };
+            if *owner == own {
+                *owner = 0;
+            }
         }
     }
 
     #[cfg(feature = "unstable")]
     fn response_map(&mut self, frame: &Frame<'_>) -> Result<ResponseMap, smr_status> {
+        if T::METHOD.is_paper {
+            return Err(SMR_ERROR_OTHER_METHOD);
+        }
+        let _ = Checked::update(&self.target, frame)?;
         let (target, workspace) = self.parts()?;
         Method::response_map(target, workspace, frame)
     }

@@ -2,7 +2,7 @@
 
 use crate::answer::smr_answer;
 use crate::pointer::{self, Out};
-use crate::status::{SMR_ERROR_NULL, SMR_UNDER_WAY, smr_status, status_of};
+use crate::status::{SMR_ERROR_NULL, smr_status, status_of};
 use crate::tracker::{Event, Known, Tracked, borrow, each, smr_tracker};
 use core::ffi::{c_int, c_void};
 use core::ops::Range;
@@ -20,10 +20,8 @@ pub struct smr_recorder {
     pub context: *mut c_void,
     /// The number of entries written.
     pub entries: u32,
-    /// 1 once `write` has failed; then nothing more is written.
+    /// 1 once `write` has failed or an entry would have more than 4 GiB; then nothing more is written.
     pub failed: u8,
-    /// 1 while an update in steps is under way.
-    pub under_way: u8,
     /// The recorded tracker.
     pub tracker: *mut smr_tracker,
 }
@@ -31,8 +29,8 @@ pub struct smr_recorder {
 /// Starts a flight record of a tracker: passes each later lock, update, move and restored target to `write`. `host-sim
 /// replay FILE` replays the record and reports where the replay first differs. smr_core::record documents every byte.
 ///
-/// Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. If trackers share a
-/// workspace, finish an update in steps before you call another one. `write` runs inside the recorded calls.
+/// Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. `write` runs inside
+/// the recorded calls. A call that fails is not recorded.
 ///
 /// @param tracker   Made by #smr_init.
 /// @param recorder  Must stay in place, for this tracker alone, while it is used. NULL or #smr_init ends the record.
@@ -51,7 +49,7 @@ pub unsafe extern "C" fn smr_record(tracker: *mut smr_tracker, recorder: *mut sm
             if (*recorder).write.is_none() {
                 return Err(SMR_ERROR_NULL);
             }
-            *recorder = smr_recorder { entries: 0, failed: 0, under_way: 0, tracker, ..*recorder };
+            *recorder = smr_recorder { entries: 0, failed: 0, tracker, ..*recorder };
             (*tracker).send_to(recorder);
             (*recorder).record(&Event::Begin);
             Ok(())
@@ -79,27 +77,27 @@ impl Tracked for smr_recorder {
         self.own().lock_window(bounds, bbox)
     }
 
-    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: u32) -> Result<(), smr_status> {
-        self.under_way = 0;
+    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: Option<u32>) -> Result<(), smr_status> {
         self.own().lock_step(frame, bbox, work)?;
         self.record(&Event::Lock(frame, *bbox));
         Ok(())
     }
 
-    fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status> {
-        if self.under_way == 0 {
+    fn begin_update(&mut self, frame: &Frame<'_>, work: Option<u32>) -> Result<bool, smr_status> {
+        let begins = self.own().begin_update(frame, work)?;
+        if begins {
             self.record(&Event::Window(frame));
         }
-        let result = self.own().update_step(frame, work, out);
-        self.under_way = (result == Err(SMR_UNDER_WAY)).into();
-        if result.is_ok() {
-            self.record(&Event::Answer(out));
-        }
-        result
+        Ok(begins)
+    }
+
+    fn update_step(&mut self, frame: &Frame<'_>, work: Option<u32>, out: &Out<smr_answer>) -> Result<(), smr_status> {
+        self.own().update_step(frame, work, out)?;
+        self.record(&Event::Answer(out));
+        Ok(())
     }
 
     fn cancel(&mut self) {
-        self.under_way = 0;
         self.own().cancel();
     }
 
@@ -112,20 +110,18 @@ impl Tracked for smr_recorder {
             if unsafe { write(context, bytes.as_ptr(), bytes.len()) } == 0 { Ok(()) } else { Err(()) }
         };
         let mut to = Recorder::resume(self.entries, write);
-        let result = match *event {
+        let _: Result<(), ()> = match *event {
             Event::Begin => each!(own.known(), target => to.beginning(target)),
             Event::Lock(frame, bbox) => to.lock_of(frame, bbox, own.lock_window(frame.bounds(), bbox)),
             Event::Window(frame) => {
                 let [window, sweep] = [own.window(), own.sweep_window()].map(Option::unwrap_or_default);
-                // An update whose frame does not cover `window` and a nonempty `sweep` fails and is not recorded.
-                let shows = frame.covers(window) && (sweep.is_empty() || frame.covers(sweep));
-                if shows { to.window_of(frame, window, sweep) } else { Ok(()) }
+                to.window_of(frame, window, sweep)
             }
             Event::Answer(answer) => to.answer(&answer.read().into()),
             Event::Moved(right, down) => to.moved(right, down),
             Event::Restored(saved) => to.restored(saved),
         };
-        self.failed = result.is_err().into();
+        self.failed = (!to.is_whole()).into();
         self.entries = to.entries();
     }
 

@@ -165,7 +165,7 @@ pub unsafe extern "C" fn smr_save(
 /// @param size     The number of bytes; excess bytes are ignored.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
 ///                 #SMR_ERROR_OVERLAPS_TRACKER, #SMR_ERROR_OTHER_METHOD or an error of the bytes (#SMR_ERROR_NOT_SAVED to
-///                 #SMR_ERROR_SAVED_TOO_LARGE). After an error the tracker is unchanged.
+///                 #SMR_ERROR_SAVED_TOO_LARGE).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8, size: usize) -> smr_status {
     // SAFETY: as the header demands of the caller: there are `size` bytes, and nobody writes them.

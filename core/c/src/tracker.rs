@@ -4,7 +4,7 @@ use crate::answer::smr_answer;
 use crate::capacity::PaperTarget;
 use crate::frame::smr_frame;
 use crate::pointer::{self, Out};
-use crate::status::{SMR_ERROR_NOT_INITIALISED, SMR_UNDER_WAY, smr_status};
+use crate::status::{SMR_ERROR_NOT_INITIALISED, smr_status};
 use core::ops::Range;
 use core::ptr::addr_of;
 use smr_core::{Frame, Rect, Robust};
@@ -71,10 +71,15 @@ pub(crate) trait Tracked {
     /// The addresses of the storage and of the workspace.
     fn memory(&self) -> [Range<usize>; 2];
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
-    /// Returns [`SMR_UNDER_WAY`] while work remains, as `update_step` does.
-    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: u32) -> Result<(), smr_status>;
-    /// Writes the answer to `out`, because a returned answer would be on the stack twice.
-    fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status>;
+    /// Begins or continues a lock for about `work` units; `None`: begins it in any case, and does all of it. Returns
+    /// [`SMR_UNDER_WAY`](crate::status::SMR_UNDER_WAY) while work remains.
+    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: Option<u32>) -> Result<(), smr_status>;
+    /// Checks and begins or continues an update; `work` as for [`Tracked::lock_step`]. Returns true if it begins.
+    fn begin_update(&mut self, frame: &Frame<'_>, work: Option<u32>) -> Result<bool, smr_status>;
+    /// Does the work after [`Tracked::begin_update`]. Writes the answer to `out`, because a returned answer would be on
+    /// the stack twice.
+    fn update_step(&mut self, frame: &Frame<'_>, work: Option<u32>, out: &Out<smr_answer>) -> Result<(), smr_status>;
+    /// Ends the lock or update of this tracker that is under way.
     fn cancel(&mut self);
     /// Passes an event to the recorder, if there is one.
     fn record(&mut self, _: &Event<'_>) {}
@@ -89,15 +94,6 @@ pub(crate) trait Tracked {
 /// The robust tracker's filter responses: `[reach + y][reach + x]` for an offset of (x, y) cells, `reach` at most 8.
 #[cfg(feature = "unstable")]
 pub(crate) type ResponseMap = [[i32; 17]; 17];
-
-pub(crate) fn repeat_until_done(mut step: impl FnMut() -> Result<(), smr_status>) -> Result<(), smr_status> {
-    loop {
-        match step() {
-            Err(SMR_UNDER_WAY) => {}
-            result => return result,
-        }
-    }
-}
 
 /// The tracker that `smr_init` made at this address.
 ///

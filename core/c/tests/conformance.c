@@ -112,7 +112,7 @@ static const uint8_t *saved(const smr_tracker *tracker, size_t *written)
 
 static void run(void)
 {
-    smr_recorder recorder = {same, NULL, 0, 0, 0, NULL};
+    smr_recorder recorder = {same, NULL, 0, 0, NULL};
     smr_tracker *whole = NULL, *part = NULL;
     smr_frame frame, all;
     smr_config config;

@@ -7,7 +7,8 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
-use smr_core::{Answer, ConfigError, Frame, Rect, Robust, Steps, Target as _, UpdateError, calls, paper, robust};
+use smr_core::calls::{self, Checked};
+use smr_core::{Answer, ConfigError, Frame, Rect, Robust, Steps, Target as _, UpdateError, paper, robust};
 use smr_evaluation::{MethodKind, Refused};
 use std::cell::RefCell;
 
@@ -60,7 +61,11 @@ fn stepped<T: Steps>(
     mut go_on: impl FnMut() -> PyResult<()>,
 ) -> PyResult<Answer> {
     calls::end::<T>(workspace);
-    while !calls::step(target, workspace, frame, STEP).map_err(not_updated)? {
+    loop {
+        Checked::update(target, frame).map_err(not_updated)?.begin(target, workspace, Some(STEP));
+        if calls::step(target, workspace, frame, Some(STEP)) {
+            break;
+        }
         go_on().inspect_err(|_| calls::end::<T>(workspace))?;
     }
     Ok(calls::commit(target, workspace, frame))
@@ -108,7 +113,7 @@ impl Target {
     /// Checks whether `update` would accept the frame. Changes nothing and reads no pixel.
     pub fn check(&self, pixels: &Pixels<'_>) -> PyResult<()> {
         let frame = pixels.corner()?;
-        match each!(self, of => calls::check(&**of, &frame)) {
+        match each!(self, of => Checked::update(&**of, &frame).map(drop)) {
             // Expected with only one pixel in memory. The core checks the window last, so all else has passed.
             Err(UpdateError::WindowNotInMemory) => Ok(()),
             checked => checked.map_err(not_updated),

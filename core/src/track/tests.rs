@@ -1,6 +1,7 @@
 //! Tests of both trackers by the same code: promises, camera motion, damaged bytes, misuse, settings, memory.
 
 mod promises;
+mod refused;
 
 use super::checksum::Crc;
 use super::record::Recorder;
@@ -14,6 +15,7 @@ use crate::similarity::Table;
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
 use core::fmt::Debug;
 use promises::{promises_hold_at_the_edges, promises_hold_in_films};
+use refused::refused_calls_change_nothing_between_steps;
 use std::{boxed::Box, string::ToString, vec, vec::Vec};
 
 type SmallPaper = Paper<1024, 161>;
@@ -122,6 +124,7 @@ for_both! {
     a_turn_of_the_camera_is_followed,
     damaged_bytes_are_refused,
     misuse_is_an_error_and_changes_nothing,
+    refused_calls_change_nothing_between_steps,
 }
 
 fn the_scene_has_what_it_is_for<T: Target>(config: T::Config) {

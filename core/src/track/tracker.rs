@@ -2,7 +2,8 @@
 
 use super::paper::{self, target::Paper};
 use super::robust::{self, target::Robust};
-use super::update::{self, calls};
+use super::update;
+use super::update::calls::{self, Checked};
 use super::{Answer, ConfigError, LockError, Quality, RestoreError, SaveError, State, Target, UpdateError};
 use crate::image::{FineRect, Frame, Rect};
 use core::fmt;
@@ -140,7 +141,7 @@ impl<T: Target> Tracker<T> {
     /// See [`Target::lock`].
     ///
     /// # Errors
-    /// [`LockError`]. The target is then unchanged.
+    /// [`LockError`]. Nothing is then changed.
     pub fn lock(&mut self, frame: &Frame<'_>, bbox: Rect) -> Result<Quality, LockError> {
         update::lock(&mut self.target, &mut self.workspace, frame, bbox)
     }
@@ -150,11 +151,12 @@ impl<T: Target> Tracker<T> {
     /// target until the lock is done. Units: see [`Tracker::update_step`]. [`Paper`](crate::Paper) needs one step.
     ///
     /// # Errors
-    /// [`LockError`]. The target and the lock under way are then unchanged.
+    /// [`LockError`]. Nothing is then changed.
     pub fn lock_step(&mut self, frame: &Frame<'_>, bbox: Rect, work: u32) -> Result<Option<Quality>, LockError> {
         let Self { target, workspace } = self;
-        let done = calls::step_lock(target, workspace, frame, bbox, work)?;
-        Ok(done.then(|| calls::commit_lock(target, workspace, frame)))
+        Checked::lock(target, frame, bbox)?.begin(target, workspace, Some(work));
+        let is_done = calls::step_lock(target, workspace, frame, Some(work));
+        Ok(is_done.then(|| calls::commit_lock(target, workspace, frame)))
     }
 
     of_the_target! { window: Rect, sweep_window: Rect, bbox: FineRect, state: State, quality: Quality }
@@ -168,7 +170,7 @@ impl<T: Target> Tracker<T> {
     /// See [`Target::update`].
     ///
     /// # Errors
-    /// [`UpdateError`]. The target is then unchanged.
+    /// [`UpdateError`]. Nothing is then changed.
     pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
         update::update(&mut self.target, &mut self.workspace, frame)
     }
@@ -183,8 +185,9 @@ impl<T: Target> Tracker<T> {
     /// Updates in steps of bounded work: begins an update, or continues the one under way. `None` while work remains.
     /// The answer does not depend on the steps. The pixels must be the same in every step.
     ///
-    /// The tracker stores the update under way. Every other call that may change the target ([`update`](Self::update),
-    /// `lock`, `lock_step`, `moved`, `restore`, `configure`, `parts`) ends it, and the next step begins a new one.
+    /// The tracker stores the update under way. Every other call that changes the target ([`update`](Self::update),
+    /// `lock`, `lock_step`, `moved`, `restore`, `configure`, `parts`) ends it, and the next step begins a new one. A call
+    /// that fails changes nothing: the update or lock under way continues as if the call had not been made.
     ///
     /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
     /// |---|---|---|
@@ -212,11 +215,12 @@ impl<T: Target> Tracker<T> {
     /// ```
     ///
     /// # Errors
-    /// [`UpdateError`]. The target and the update under way are then unchanged.
+    /// [`UpdateError`]. Nothing is then changed.
     pub fn update_step(&mut self, frame: &Frame<'_>, work: u32) -> Result<Option<Answer>, UpdateError> {
         let Self { target, workspace } = self;
-        let done = calls::step(target, workspace, frame, work)?;
-        Ok(done.then(|| calls::commit(target, workspace, frame)))
+        Checked::update(target, frame)?.begin(target, workspace, Some(work));
+        let is_done = calls::step(target, workspace, frame, Some(work));
+        Ok(is_done.then(|| calls::commit(target, workspace, frame)))
     }
 
     /// Repeats [`Tracker::update_step`] with 10,000 units of work until the answer is there or `expired` returns true.
@@ -257,10 +261,11 @@ impl<T: Target> Tracker<T> {
     /// See [`Target::restore`].
     ///
     /// # Errors
-    /// [`RestoreError`]. The target is then unchanged.
+    /// [`RestoreError`]. Nothing is then changed.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
+        self.target.restore(bytes)?;
         calls::end::<T>(&mut self.workspace);
-        self.target.restore(bytes)
+        Ok(())
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The workspace stores the call under way and its progress. So that a call cannot continue with another target, it
 //! continues only in a [`Tracker`](crate::Tracker), which owns target and workspace, or in the C interface, whose
-//! workspace stores its last user. Every other call that may change the target ends it.
+//! workspace stores its last user. Every other call that changes the target ends it; a call that fails does not.
 
 use super::{Answer, LockError, Quality, UpdateError};
 use crate::image::{Frame, Rect};
@@ -151,59 +151,80 @@ pub trait Steps: Sized {
 pub mod calls {
     use super::{Answer, Call, Frame, LockError, Quality, Rect, SEAL, Steps, UnderWay, UpdateError};
 
-    /// Begins an update if none is under way, and continues it for about `work` units. True if only [`commit`] remains.
-    ///
-    /// # Errors
-    /// As [`Target::update`](crate::Target::update).
-    pub fn step<T: Steps>(
-        target: &mut T,
-        workspace: &mut T::Workspace,
-        frame: &Frame<'_>,
-        work: u32,
-    ) -> Result<bool, UpdateError> {
-        target.check(frame, SEAL)?;
-        if begins::<T>(workspace, Call::Update, work) {
-            target.start(workspace, SEAL);
+    /// An update or a lock that has passed its checks. Only such a call can replace the one under way in a workspace, so
+    /// a refused call leaves that one as it is.
+    #[must_use]
+    #[derive(Debug)]
+    pub struct Checked(Call);
+
+    impl Checked {
+        /// Checks that `target` can be updated with `frame`. Reads no pixel.
+        ///
+        /// # Errors
+        /// As [`Target::update`](crate::Target::update).
+        pub fn update<T: Steps>(target: &T, frame: &Frame<'_>) -> Result<Self, UpdateError> {
+            target.check(frame, SEAL)?;
+            Ok(Self(Call::Update))
         }
-        Ok(target.step(workspace, frame, SEAL))
+
+        /// Checks that `target` can lock on `bbox` in `frame`. Reads no pixel.
+        ///
+        /// # Errors
+        /// As [`Target::lock`](crate::Target::lock).
+        pub fn lock<T: Steps>(target: &T, frame: &Frame<'_>, bbox: Rect) -> Result<Self, LockError> {
+            target.check_lock(frame, bbox, SEAL)?;
+            let Rect { width, height, .. } = frame.bounds();
+            Ok(Self(Call::Lock([width, height], bbox)))
+        }
+
+        /// Begins this call of the checked target, in place of any other call under way, or continues it if it is under
+        /// way. Grants its next step about `work` units. `None`: begins in any case, and grants everything. Returns true
+        /// if the call begins.
+        pub fn begin<T: Steps>(self, target: &mut T, workspace: &mut T::Workspace, work: Option<u32>) -> bool {
+            let Self(call) = self;
+            let under_way = T::under_way(workspace, SEAL);
+            let begins = work.is_none() || under_way.call != call;
+            if begins {
+                *under_way = UnderWay { call, ..UnderWay::NOTHING };
+            }
+            under_way.budget.grant(work.unwrap_or(u32::MAX));
+            match call {
+                Call::Update if begins => target.start(workspace, SEAL),
+                Call::Lock([width, height], bbox) if begins => {
+                    target.start_lock(workspace, Rect::new(0, 0, width, height), bbox, SEAL);
+                }
+                _ => {}
+            }
+            begins
+        }
     }
 
-    /// Begins or continues a lock on `bbox`, for about `work` units. True if only [`commit_lock`] remains.
-    ///
-    /// # Errors
-    /// As [`Target::lock`](crate::Target::lock).
+    /// Continues an update after [`Checked::begin`], with the same `work`. True if only [`commit`] remains, which is so
+    /// if `work` is `None`.
+    pub fn step<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>, work: Option<u32>) -> bool {
+        while !target.step(workspace, frame, SEAL) {
+            if work.is_some() {
+                return false;
+            }
+            T::under_way(workspace, SEAL).budget.grant(u32::MAX);
+        }
+        true
+    }
+
+    /// Continues a lock, as [`step`] does an update. True if only [`commit_lock`] remains.
     pub fn step_lock<T: Steps>(
         target: &mut T,
         workspace: &mut T::Workspace,
         frame: &Frame<'_>,
-        bbox: Rect,
-        work: u32,
-    ) -> Result<bool, LockError> {
-        target.check_lock(frame, bbox, SEAL)?;
-        let bounds = frame.bounds();
-        if begins::<T>(workspace, Call::Lock([bounds.width, bounds.height], bbox), work) {
-            target.start_lock(workspace, bounds, bbox, SEAL);
+        work: Option<u32>,
+    ) -> bool {
+        while !target.step_lock(workspace, frame, SEAL) {
+            if work.is_some() {
+                return false;
+            }
+            T::under_way(workspace, SEAL).budget.grant(u32::MAX);
         }
-        Ok(target.step_lock(workspace, frame, SEAL))
-    }
-
-    /// Marks `call` as under way, and grants its next step `work` units. True if `call` was not under way before.
-    fn begins<T: Steps>(workspace: &mut T::Workspace, call: Call, work: u32) -> bool {
-        let under_way = T::under_way(workspace, SEAL);
-        let begins = under_way.call != call;
-        if begins {
-            *under_way = UnderWay { call, ..UnderWay::NOTHING };
-        }
-        under_way.budget.grant(work);
-        begins
-    }
-
-    /// Checks that an update with `frame` is possible. Reads no pixel.
-    ///
-    /// # Errors
-    /// As [`Target::update`](crate::Target::update).
-    pub fn check<T: Steps>(target: &T, frame: &Frame<'_>) -> Result<(), UpdateError> {
-        target.check(frame, SEAL)
+        true
     }
 
     /// Ends an update after [`step`] has returned true.
@@ -230,8 +251,8 @@ pub(super) fn update<T: Steps>(
     workspace: &mut T::Workspace,
     frame: &Frame<'_>,
 ) -> Result<Answer, UpdateError> {
-    calls::end::<T>(workspace);
-    while !calls::step(target, workspace, frame, u32::MAX)? {}
+    calls::Checked::update(target, frame)?.begin(target, workspace, None);
+    calls::step(target, workspace, frame, None);
     Ok(calls::commit(target, workspace, frame))
 }
 
@@ -241,7 +262,7 @@ pub(super) fn lock<T: Steps>(
     frame: &Frame<'_>,
     bbox: Rect,
 ) -> Result<Quality, LockError> {
-    calls::end::<T>(workspace);
-    while !calls::step_lock(target, workspace, frame, bbox, u32::MAX)? {}
+    calls::Checked::lock(target, frame, bbox)?.begin(target, workspace, None);
+    calls::step_lock(target, workspace, frame, None);
     Ok(calls::commit_lock(target, workspace, frame))
 }

@@ -8,8 +8,9 @@ use anyhow::Result;
 use clap::ValueEnum;
 use serde::Serialize;
 use serde_json::{Map, Value};
+use smr_core::calls::{self, Checked};
 use smr_core::paper::{Config, Fraction};
-use smr_core::{Frame, Quality, Rect, Robust, Target, calls, robust};
+use smr_core::{Frame, Quality, Rect, Robust, Target, robust};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -150,8 +151,12 @@ impl<T: Target> Method for Stepped<T> {
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
         let workspace = &mut self.workspace.borrow_mut();
+        let step = Some(self.step);
         calls::end::<T>(workspace); // another target's
-        while !calls::step(&mut self.target, workspace, frame, self.step)? {}
+        while {
+            Checked::update(&self.target, frame)?.begin(&mut self.target, workspace, step);
+            !calls::step(&mut self.target, workspace, frame, step)
+        } {}
         let answer = calls::commit(&mut self.target, workspace, frame);
         Ok(Report { work: Some(T::work(workspace)), ..answer.into() })
     }

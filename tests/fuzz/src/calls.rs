@@ -6,7 +6,7 @@ use crate::extent::Extent;
 use crate::paper;
 use crate::scene::{Part, Scene, frame};
 use arbitrary::{Result, Unstructured};
-use smr_core::{Answer, LockError, Rect, Tracker, UpdateError};
+use smr_core::{Answer, Frame, Image, LockError, Rect, RestoreError, Tracker, UpdateError};
 
 struct Pair<T: Fuzzed> {
     /// The tracker under test: any kernels, updates in steps, partial frames.
@@ -129,7 +129,10 @@ impl<T: Fuzzed> Pair<T> {
             loop {
                 let step = if u.is_empty() { u32::MAX } else { u32::from(u.arbitrary::<u8>()?) << 16 };
                 match self.any.lock_step(&frame, target, step) {
-                    Ok(None) => assert_eq!((self.any.bbox(), self.any.window()), (None, None)),
+                    Ok(None) => {
+                        assert_eq!((self.any.bbox(), self.any.window()), (None, None));
+                        refuse(&mut self.any);
+                    }
                     Ok(Some(quality)) => break Ok(quality),
                     Err(error) => break Err(error),
                 }
@@ -183,6 +186,7 @@ impl<T: Fuzzed> Pair<T> {
         while answer.is_none() {
             let work = if u.is_empty() { u32::MAX } else { work(u)? };
             answer = self.any.update_step(&shown, work).expect("what it asked for is in memory");
+            refuse(&mut self.any);
         }
         let answer = answer.expect("an update without an answer goes on");
         self.believe(&answer);
@@ -296,6 +300,19 @@ impl<T: Fuzzed> Pair<T> {
             assert!(saved(&self.any) == saved(plain), "different templates or tracks");
         }
     }
+}
+
+/// Makes calls that a tracker in any state refuses. What is under way continues.
+fn refuse<T: Fuzzed>(tracker: &mut Tracker<T>) {
+    let (work, frame) = (tracker.work(), Frame::whole(Image::new(&[7], 1, 1).expect("one pixel")));
+    if tracker.window().is_none_or(|window| window.right() > 1 || window.bottom() > 1) {
+        assert!(tracker.update(&frame).is_err());
+        assert!(tracker.update_step(&frame, 1).is_err());
+    }
+    assert_eq!(tracker.lock(&frame, Rect::default()), Err(LockError::BoxEmpty));
+    assert_eq!(tracker.lock_step(&frame, Rect::new(1, 0, 1, 1), 1), Err(LockError::BoxOutsideFrame));
+    assert_eq!(tracker.restore(b"SMRx"), Err(RestoreError::Truncated));
+    assert_eq!(tracker.work(), work);
 }
 
 pub(crate) fn saved<T: Fuzzed>(tracker: &Tracker<T>) -> Option<Vec<u8>> {

@@ -91,7 +91,7 @@ impl Robust {
         workspace: &'a mut Workspace,
         frame: &Frame<'_>,
     ) -> Result<&'a [i8], UpdateError> {
-        self.check(frame, SEAL)?;
+        self.check(frame, SEAL)?; // nothing below can fail
         let inputs = self.inputs().ok_or(UpdateError::NotLocked)?;
         workspace.under_way.end();
         if !pipeline::features(&inputs, &mut workspace.buffers, frame) {

@@ -255,18 +255,20 @@ impl Filmed for Robust {
 /// The number of different calls, in [`call`], that interrupt an update or lock.
 const CALLS: usize = 8;
 
-fn call<T: Filmed>(tracker: &mut Tracker<T>, number: usize, frame: &Frame<'_>, first: Rect, bytes: &[u8]) {
+/// Returns true if the call was refused, and has changed nothing.
+fn call<T: Filmed>(tracker: &mut Tracker<T>, number: usize, frame: &Frame<'_>, first: Rect, bytes: &[u8]) -> bool {
     let corner = Rect { x: 0, y: 0, ..first };
     match number {
         0 => tracker.restore(bytes).unwrap(),
         1 => tracker.moved(256, 0),
         2 => drop(tracker.lock(frame, first).unwrap()),
         3 => drop(tracker.lock_step(frame, corner, u32::MAX).unwrap().unwrap()),
-        4 => drop(tracker.update(frame)),
+        4 => return tracker.update(frame).is_err(),
         5 => tracker.parts().0.restore(bytes).unwrap(),
         6 => tracker.configure(*tracker.config()).unwrap(),
         _ => *tracker.parts().1 = T::Workspace::default(),
     }
+    false
 }
 
 /// Repeats `step` until the call is done. Each step must progress, and exceed its grant by at most `beyond`.
@@ -356,7 +358,8 @@ impl<'a, T: Filmed> Twins<'a, T> {
         let (bytes, grant) = (saved(other.target()), plain.work() / 256 * part);
         if locks {
             other.lock_step(elsewhere, *first, grant).unwrap();
-            call(other, number, frame, *first, &bytes);
+            // An update before the lock is done is refused, and the lock goes on with its frame.
+            let frame = if call(other, number, frame, *first, &bytes) { elsewhere } else { frame };
             assert_eq!(other.lock_step(frame, *first, u32::MAX).unwrap(), plain.lock(frame, *first).ok());
             return self.agree();
         }
