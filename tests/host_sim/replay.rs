@@ -261,6 +261,23 @@ fn damage_in_the_middle_is_no_verdict() {
     refused(&signed(other, 0), &["version 9 of the record: expected 1"]);
 }
 
+/// Heads of entries that each claim the rest of the record: smr-core's tests bound the work.
+#[test]
+fn a_record_of_damaged_heads_is_refused() {
+    let mut bytes = Vec::new();
+    while bytes.len() < 1 << 20 {
+        let left = u32::try_from((1 << 20) - bytes.len()).expect("a small number");
+        bytes.extend([*b"SMRB", [0; 4], left.to_le_bytes()].concat());
+    }
+    bytes.resize((1 << 20) + 16, 0);
+    assert_eq!(replayed(&bytes).unwrap_err(), "its first entry, SMRB, is damaged: nothing can be replayed");
+    // After a flight: its entries are replayed, and the rest is damaged.
+    let [(_, paper, _), _] = flights(5);
+    let report = replayed(&[&paper[..], &bytes].concat()).expect("a record");
+    assert_eq!((report.flights.len(), report.flights[0].answers), (1, 4));
+    assert!(report.damage.is_some_and(|damage| damage.contains("are damaged: no entry")));
+}
+
 #[test]
 fn the_command_says_what_holds() {
     let [(_, paper, _), (_, robust, _)] = flights(6);

@@ -76,6 +76,17 @@ for kind in KINDS:
     tracker.lock(buffer=still, width=WIDTH, height=HEIGHT, box=list(BOX), format=smr.GRAY8, stride=WIDTH)
     same(tracker.update(still, work=1000), None, "a step")
     same(tracker.update(still, work=1073741823).box, BOX, "the last step")
+    counts = []
+    for refused in False, True:
+        tracker.lock(still, WIDTH, HEIGHT, BOX)
+        counts.append(1)
+        while tracker.update(still, work=1000 if kind is smr.Paper else 200000) is None:
+            counts[-1] += 1
+            if refused:
+                raises(ValueError, "the box is not wholly inside the frame", lambda: tracker.lock(still, WIDTH, HEIGHT, (-1, 20, 20, 16)))
+                raises(ValueError, "the slice is shorter", lambda: tracker.update(b"short"))
+                raises(ValueError, "", lambda: tracker.restore(b"SMRx"))
+    same((counts[0], counts[0] > 1), (counts[1], True), "refused calls between the steps change nothing")
     same(tracker.update(buffer=still, format=smr.GRAY8, stride=WIDTH).box, BOX, "by name")
 tracker = smr.Paper(runner_up_always=True)
 tracker.lock(still, WIDTH, HEIGHT, BOX)
