@@ -11,7 +11,7 @@ use crate::status::{
     SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, SMR_ERROR_STORAGE_TOO_SMALL, SMR_ERROR_WORKSPACE_TOO_SMALL, smr_status,
     status_of,
 };
-use crate::tracker::{Event, Known, borrow, each, smr_tracker, with_frame, write_result};
+use crate::tracker::{Call, Event, Known, borrow, each, smr_tracker, with_frame, write_result};
 use core::ffi::c_void;
 use core::ptr;
 use smr_core::{Rect, Target};
@@ -137,6 +137,36 @@ pub unsafe extern "C" fn smr_lock_window(
     })
 }
 
+/// The argument of a call that may take several steps.
+enum Argument {
+    Box(*const smr_rect),
+    Answer(*mut smr_answer),
+}
+
+/// Locks or updates for about `work` units; `None`: begins in any case, and does all of the work.
+///
+/// # Safety
+/// As `smr_lock` or `smr_update` demands.
+#[inline(never)] // one copy in flash
+unsafe fn follow(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    argument: Argument,
+    work: Option<u32>,
+) -> smr_status {
+    // SAFETY: as the caller ensures.
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| {
+            let call = match argument {
+                Argument::Box(bbox) => Call::Lock(pointer::read(bbox)?.into()),
+                Argument::Answer(answer) => Call::Update(Out::new(answer)?),
+            };
+            tracker.begin(frame, &call, work)?;
+            tracker.step(frame, &call, work)
+        })
+    })
+}
+
 /// Starts to follow the target in a box, and forgets any previous target. Reads only the pixels in #smr_lock_window.
 ///
 /// Cost: a copy of the box and two comparisons per pixel (paper's tracker), or two to three updates (robust tracker).
@@ -154,9 +184,7 @@ pub unsafe extern "C" fn smr_lock(
     bbox: *const smr_rect,
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| tracker.lock_step(frame, &pointer::read(bbox)?.into(), None))
-    })
+    unsafe { follow(tracker, frame, Argument::Box(bbox), None) }
 }
 
 /// Does one bounded step of a lock, for programs with a deadline. Begins a lock, or continues the one under way if
@@ -177,9 +205,7 @@ pub unsafe extern "C" fn smr_lock_step(
     work: u32,
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| tracker.lock_step(frame, &pointer::read(bbox)?.into(), Some(work)))
-    })
+    unsafe { follow(tracker, frame, Argument::Box(bbox), Some(work)) }
 }
 
 /// Finds the target in the next frame. Reads only the pixels in #smr_windows.
@@ -201,13 +227,7 @@ pub unsafe extern "C" fn smr_update(
     answer: *mut smr_answer,
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| {
-            let out = Out::new(answer)?;
-            tracker.begin_update(frame, None)?;
-            tracker.update_step(frame, None, &out)
-        })
-    })
+    unsafe { follow(tracker, frame, Argument::Answer(answer), None) }
 }
 
 /// Does one bounded step of an update, for programs with a deadline. Begins an update, or continues the one under way.
@@ -234,13 +254,7 @@ pub unsafe extern "C" fn smr_update_step(
     answer: *mut smr_answer,
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| {
-            let out = Out::new(answer)?;
-            tracker.begin_update(frame, Some(work))?;
-            tracker.update_step(frame, Some(work), &out)
-        })
-    })
+    unsafe { follow(tracker, frame, Argument::Answer(answer), Some(work)) }
 }
 
 /// The two windows of the next frame that #smr_update may read. Firmware need not read out other pixels.

@@ -14,7 +14,7 @@ use crate::status::SMR_ERROR_OTHER_METHOD;
 use crate::status::{SMR_ERROR_NOT_INITIALISED, SMR_UNDER_WAY, smr_status};
 #[cfg(feature = "unstable")]
 use crate::tracker::ResponseMap;
-use crate::tracker::{Known, Tracked, smr_tracker};
+use crate::tracker::{Call, Known, Tracked, smr_tracker};
 use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
@@ -201,29 +201,24 @@ impl<T: Method> Tracked for OwnTracker<T> {
         self.target.lock_window(bounds, target)
     }
 
-    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: Option<u32>) -> Result<(), smr_status> {
-        let checked = Checked::lock(&self.target, frame, *bbox)?;
-        let (target, workspace) = self.parts()?;
-        checked.begin(target, workspace, work);
-        if !calls::step_lock(target, workspace, frame, work) {
-            return Err(SMR_UNDER_WAY);
-        }
-        calls::commit_lock(target, workspace, frame);
-        Ok(())
-    }
-
-    fn begin_update(&mut self, frame: &Frame<'_>, work: Option<u32>) -> Result<bool, smr_status> {
-        let checked = Checked::update(&self.target, frame)?;
+    fn begin(&mut self, frame: &Frame<'_>, call: &Call, work: Option<u32>) -> Result<bool, smr_status> {
+        let checked = match call {
+            Call::Lock(bbox) => Checked::lock(&self.target, frame, *bbox)?,
+            Call::Update(_) => Checked::update(&self.target, frame)?,
+        };
         let (target, workspace) = self.parts()?;
         Ok(checked.begin(target, workspace, work))
     }
 
-    fn update_step(&mut self, frame: &Frame<'_>, work: Option<u32>, out: &Out<smr_answer>) -> Result<(), smr_status> {
+    fn step(&mut self, frame: &Frame<'_>, call: &Call, work: Option<u32>) -> Result<(), smr_status> {
         let (target, workspace) = self.parts()?;
         if !calls::step(target, workspace, frame, work) {
             return Err(SMR_UNDER_WAY);
         }
-        conclude(target, workspace, frame, out);
+        match call {
+            Call::Lock(_) => drop(calls::commit_lock(target, workspace, frame)),
+            Call::Update(out) => conclude(target, workspace, frame, out),
+        }
         Ok(())
     }
 

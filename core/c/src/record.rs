@@ -1,9 +1,8 @@
 //! Writes flight records: logs of the calls on a tracker, which can be replayed.
 
-use crate::answer::smr_answer;
-use crate::pointer::{self, Out};
+use crate::pointer;
 use crate::status::{SMR_ERROR_NULL, smr_status, status_of};
-use crate::tracker::{Event, Known, Tracked, borrow, each, smr_tracker};
+use crate::tracker::{Call, Event, Known, Tracked, borrow, each, smr_tracker};
 use core::ffi::{c_int, c_void};
 use core::ops::Range;
 use smr_core::record::Recorder;
@@ -77,23 +76,20 @@ impl Tracked for smr_recorder {
         self.own().lock_window(bounds, bbox)
     }
 
-    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: Option<u32>) -> Result<(), smr_status> {
-        self.own().lock_step(frame, bbox, work)?;
-        self.record(&Event::Lock(frame, *bbox));
-        Ok(())
-    }
-
-    fn begin_update(&mut self, frame: &Frame<'_>, work: Option<u32>) -> Result<bool, smr_status> {
-        let begins = self.own().begin_update(frame, work)?;
-        if begins {
+    fn begin(&mut self, frame: &Frame<'_>, call: &Call, work: Option<u32>) -> Result<bool, smr_status> {
+        let begins = self.own().begin(frame, call, work)?;
+        if begins && matches!(call, Call::Update(_)) {
             self.record(&Event::Window(frame));
         }
         Ok(begins)
     }
 
-    fn update_step(&mut self, frame: &Frame<'_>, work: Option<u32>, out: &Out<smr_answer>) -> Result<(), smr_status> {
-        self.own().update_step(frame, work, out)?;
-        self.record(&Event::Answer(out));
+    fn step(&mut self, frame: &Frame<'_>, call: &Call, work: Option<u32>) -> Result<(), smr_status> {
+        self.own().step(frame, call, work)?;
+        self.record(&match call {
+            Call::Lock(bbox) => Event::Lock(frame, *bbox),
+            Call::Update(out) => Event::Answer(out),
+        });
         Ok(())
     }
 

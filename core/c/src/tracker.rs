@@ -65,20 +65,25 @@ pub(crate) enum Event<'a> {
     Restored(&'a [u8]),
 }
 
+/// A call that may take several steps.
+pub(crate) enum Call {
+    Lock(Rect),
+    /// The answer is written to the caller's memory, because a returned answer would be on the stack twice.
+    Update(Out<smr_answer>),
+}
+
 /// The calls on a tracker of either type.
 pub(crate) trait Tracked {
     fn known(&mut self) -> Known<'_>;
     /// The addresses of the storage and of the workspace.
     fn memory(&self) -> [Range<usize>; 2];
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
-    /// Begins or continues a lock for about `work` units; `None`: begins it in any case, and does all of it. Returns
+    /// Checks a call, and begins it or continues the one under way; `None`: begins it in any case. Returns true if it
+    /// begins.
+    fn begin(&mut self, frame: &Frame<'_>, call: &Call, work: Option<u32>) -> Result<bool, smr_status>;
+    /// Does the work of a call after [`Tracked::begin`]: about `work` units; `None`: all. Returns
     /// [`SMR_UNDER_WAY`](crate::status::SMR_UNDER_WAY) while work remains.
-    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: Option<u32>) -> Result<(), smr_status>;
-    /// Checks and begins or continues an update; `work` as for [`Tracked::lock_step`]. Returns true if it begins.
-    fn begin_update(&mut self, frame: &Frame<'_>, work: Option<u32>) -> Result<bool, smr_status>;
-    /// Does the work after [`Tracked::begin_update`]. Writes the answer to `out`, because a returned answer would be on
-    /// the stack twice.
-    fn update_step(&mut self, frame: &Frame<'_>, work: Option<u32>, out: &Out<smr_answer>) -> Result<(), smr_status>;
+    fn step(&mut self, frame: &Frame<'_>, call: &Call, work: Option<u32>) -> Result<(), smr_status>;
     /// Ends the lock or update of this tracker that is under way.
     fn cancel(&mut self);
     /// Passes an event to the recorder, if there is one.

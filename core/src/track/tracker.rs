@@ -155,7 +155,7 @@ impl<T: Target> Tracker<T> {
     pub fn lock_step(&mut self, frame: &Frame<'_>, bbox: Rect, work: u32) -> Result<Option<Quality>, LockError> {
         let Self { target, workspace } = self;
         Checked::lock(target, frame, bbox)?.begin(target, workspace, Some(work));
-        let is_done = calls::step_lock(target, workspace, frame, Some(work));
+        let is_done = calls::step(target, workspace, frame, Some(work));
         Ok(is_done.then(|| calls::commit_lock(target, workspace, frame)))
     }
 

@@ -180,6 +180,7 @@ pub mod calls {
         /// Begins this call of the checked target, in place of any other call under way, or continues it if it is under
         /// way. Grants its next step about `work` units. `None`: begins in any case, and grants everything. Returns true
         /// if the call begins.
+        #[inline(always)] // one place calls it for each tracker in C
         pub fn begin<T: Steps>(self, target: &mut T, workspace: &mut T::Workspace, work: Option<u32>) -> bool {
             let Self(call) = self;
             let under_way = T::under_way(workspace, SEAL);
@@ -199,32 +200,19 @@ pub mod calls {
         }
     }
 
-    /// Continues an update after [`Checked::begin`], with the same `work`. True if only [`commit`] remains, which is so
-    /// if `work` is `None`.
+    /// Continues the call under way after [`Checked::begin`], with the same `work`. True if only [`commit`] or
+    /// [`commit_lock`] remains, which is so if `work` is `None`.
     pub fn step<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>, work: Option<u32>) -> bool {
-        while !target.step(workspace, frame, SEAL) {
-            if work.is_some() {
-                return false;
+        loop {
+            let is_done = match T::under_way(workspace, SEAL).call {
+                Call::Lock(..) => target.step_lock(workspace, frame, SEAL),
+                _ => target.step(workspace, frame, SEAL),
+            };
+            if is_done || work.is_some() {
+                return is_done;
             }
             T::under_way(workspace, SEAL).budget.grant(u32::MAX);
         }
-        true
-    }
-
-    /// Continues a lock, as [`step`] does an update. True if only [`commit_lock`] remains.
-    pub fn step_lock<T: Steps>(
-        target: &mut T,
-        workspace: &mut T::Workspace,
-        frame: &Frame<'_>,
-        work: Option<u32>,
-    ) -> bool {
-        while !target.step_lock(workspace, frame, SEAL) {
-            if work.is_some() {
-                return false;
-            }
-            T::under_way(workspace, SEAL).budget.grant(u32::MAX);
-        }
-        true
     }
 
     /// Ends an update after [`step`] has returned true.
@@ -233,7 +221,7 @@ pub mod calls {
         target.commit(workspace, frame, SEAL)
     }
 
-    /// Ends a lock after [`step_lock`] has returned true.
+    /// Ends a lock after [`step`] has returned true.
     pub fn commit_lock<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Quality {
         let quality = target.commit_lock(workspace, frame, SEAL);
         T::under_way(workspace, SEAL).end();
@@ -263,6 +251,6 @@ pub(super) fn lock<T: Steps>(
     bbox: Rect,
 ) -> Result<Quality, LockError> {
     calls::Checked::lock(target, frame, bbox)?.begin(target, workspace, None);
-    calls::step_lock(target, workspace, frame, None);
+    calls::step(target, workspace, frame, None);
     Ok(calls::commit_lock(target, workspace, frame))
 }
