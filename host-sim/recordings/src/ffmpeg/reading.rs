@@ -16,9 +16,6 @@ const MARGIN: usize = 2;
 
 const ALL_PACKETS: Part = Part::Packets(usize::MAX);
 
-/// Number of pictures by which the runs of one file differ, where nothing tells the damaged packet.
-const SPREAD: usize = 16;
-
 /// Time error in seconds from which a seek is a miss; rounding to milliseconds alone causes errors of up to 0.0005 s.
 const SEEK_TOLERANCE: f64 = 0.0006;
 
@@ -147,10 +144,9 @@ impl Reading {
     /// Searches the last whole picture, and goes on up to it. Before a doubt, `decoded` pictures were decoded.
     fn doubt_after(&mut self, decoded: usize, words: String) -> Result<()> {
         let is_file = self.video.input.file.is_file();
-        let found =
-            if is_file { search::whole(&self.video, decoded)? } else { Whole { pictures: decoded, is_exact: false } };
+        let found = if is_file { search::whole(&self.video, decoded)? } else { Whole::unknown(decoded) };
         let whole = found.pictures.saturating_sub(MARGIN);
-        let advised = if found.is_exact { whole } else { whole.saturating_sub(SPREAD) };
+        let advised = whole.saturating_sub(found.spread);
         self.doubt = Some(Doubt { whole, advised, words });
         if self.taken < whole {
             self.go_on(Pictures::lenient(&self.video, self.wanted, self.part)?)?;

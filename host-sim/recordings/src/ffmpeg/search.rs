@@ -65,8 +65,16 @@ impl List {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Whole {
     pub pictures: usize,
-    /// True if every run finds the same number.
-    pub is_exact: bool,
+    /// Number of pictures by which another run may find fewer.
+    pub spread: usize,
+}
+
+impl Whole {
+    /// Number of whole pictures where nothing tells the damaged packet: `decoded` in one run. ffmpeg's threads are up to
+    /// two queues of eight packets apart when it ends at an error.
+    pub const fn unknown(decoded: usize) -> Self {
+        Self { pictures: decoded, spread: STEP }
+    }
 }
 
 /// Searches the pictures that decode without a doubt. In the run that has failed, `decoded` did.
@@ -75,8 +83,14 @@ pub(super) fn whole(video: &Video, decoded: usize) -> Result<Whole> {
     let end = list.corrupt.unwrap_or(list.packets.len());
     let (packets, pictures) = most_packets(video, decoded.min(end), end)?;
     let pictures = pictures.min(in_order(&list.packets, packets));
-    let is_exact = packets < list.packets.len() || list.ends_too_early() || video.input.end.is_some();
-    Ok(Whole { pictures: if is_exact { pictures } else { pictures.min(decoded) }, is_exact })
+    Ok(if packets < list.packets.len() {
+        Whole { pictures, spread: 0 }
+    } else if list.ends_too_early() || video.input.end.is_some() {
+        // The last packets before the end of a cut file come through or not.
+        Whole { pictures, spread: 4 }
+    } else {
+        Whole::unknown(pictures.min(decoded))
+    })
 }
 
 /// Returns the largest number of packets, at most `end`, that decode without a doubt, and their number of pictures.
