@@ -84,7 +84,7 @@ pub(super) fn whole(video: &Video, decoded: usize) -> Result<Whole> {
     let (packets, pictures) = most_packets(video, decoded.min(end), end)?;
     let pictures = pictures.min(in_order(&list.packets, packets));
     Ok(if packets < list.packets.len() {
-        Whole { pictures, spread: 0 }
+        Whole { pictures, spread: 1 }
     } else if list.ends_too_early() || video.input.end.is_some() {
         // The last packets before the end of a cut file come through or not.
         Whole { pictures, spread: 4 }
