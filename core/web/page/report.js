@@ -38,7 +38,7 @@ let drawing = null;
 // Registered before the playback's own listener, so that the recording is open before the frame number is read.
 addEventListener("hashchange", () => open(addressed() ?? recording));
 const playback = new Playback({
-  picture, isLive: () => false, timeOf: (number) => timeOf(number), speed: () => Number(byId("speed").value), isHeld: () => false, changed: draw, failed: () => {},
+  picture, isLive: () => false, timeOf: (number) => timeOf(number), speed: () => Number(byId("speed").value), isHeld: () => false, isAwaited: () => false, changed: draw, failed: () => {},
   marks: () => [...new Set(events.map(({ frame }) => frame))],
 });
 const visit = (number) => playback.visit(number);

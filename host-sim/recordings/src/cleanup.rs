@@ -154,7 +154,8 @@ impl Process {
 
 /// True for an environment variable by which ffmpeg changes its messages or writes a report.
 fn changes_ffmpeg(name: &OsStr) -> bool {
-    let name = name.to_string_lossy();
+    // Windows does not tell capitals.
+    let name = name.to_string_lossy().to_ascii_uppercase();
     name.starts_with("AV_LOG_") || name == "FFREPORT"
 }
 

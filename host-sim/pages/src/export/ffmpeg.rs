@@ -4,7 +4,6 @@ use anyhow::{Context, Result, bail, ensure};
 use smr_recordings::cleanup::Process;
 use smr_recordings::input::Patient;
 use smr_recordings::silent;
-use std::ffi::OsStr;
 use std::io::{BufRead, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
@@ -12,7 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::time::{Duration, Instant};
-use std::{env, fs, thread};
+use std::{fs, thread};
 
 /// Number of bytes in each write to ffmpeg. A completed write is a sign that ffmpeg is alive.
 const CHUNK: usize = 1 << 16;
@@ -20,14 +19,6 @@ const CHUNK: usize = 1 << 16;
 /// Returns the command of an ffmpeg that stops at the first error and reads nothing from the terminal.
 pub(super) fn command() -> Command {
     let mut command = Command::new("ffmpeg");
-    // Variables such as AV_LOG_FORCE_COLOR change ffmpeg's messages; FFREPORT makes it write a file of its own.
-    let is_of_ffmpeg = |name: &OsStr| {
-        let name = name.to_string_lossy().to_ascii_uppercase();
-        name.starts_with("AV_LOG_") || name == "FFREPORT"
-    };
-    for (name, _) in env::vars_os().filter(|(name, _)| is_of_ffmpeg(name)) {
-        command.env_remove(name);
-    }
     command.args(["-nostdin", "-nostats", "-hide_banner", "-v", "error", "-xerror"]);
     command
 }

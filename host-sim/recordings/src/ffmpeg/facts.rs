@@ -11,7 +11,7 @@ use std::time::Duration;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Facts {
-    /// Number among the video streams of the one that is read, the one with the most pixels. Cover pictures do not count.
+    /// Number among the video streams of the one that is read. Cover pictures do not count.
     pub stream: usize,
     pub codec: String,
     /// Unit of the stream's times in seconds, as a fraction.
@@ -56,27 +56,29 @@ impl Video {
 impl Facts {
     /// Reads a file up to its first packet. Errors: no ffmpeg, or the file has no video stream.
     pub fn of(input: &Input) -> Result<Self> {
-        let mut packets = Packets::of(input, &[], &["-map", "0:V?", "-frames:v", "1"])?;
+        let mut packets = Packets::of(input, &[], &["-map", "0:V?", "-an", "-sn", "-dn", "-frames:v", "1"])?;
+        let mut chosen = None;
         while let Some(packet) = packets.next()? {
-            let facts = Self::of_largest(&packets);
-            if packet.stream == facts.stream {
+            let stream = match chosen {
+                Some(stream) => stream,
+                None => *chosen.insert(default_stream(input, &packets.streams)?),
+            };
+            if packet.stream == stream {
                 let (begins_at_key, notes) = (packet.flags & KEY != 0, packets.ffmpeg.complaints);
-                return Ok(Self { begins_at_key, notes, ..facts });
+                return Ok(Self { begins_at_key, notes, ..Self::stated(stream, &packets.streams[stream]) });
             }
         }
         if packets.streams.is_empty() {
             return Self::refuse(input, packets);
         }
         // The stream has no packet. Decoding then says what is wrong.
-        Ok(Self { begins_at_key: true, ..Self::of_largest(&packets) })
+        let stream = default_stream(input, &packets.streams)?;
+        Ok(Self { begins_at_key: true, ..Self::stated(stream, &packets.streams[stream]) })
     }
 
-    fn of_largest(packets: &Packets) -> Self {
-        let pixels = |(_, stream): &(usize, &Stream)| u64::from(stream.size.0) * u64::from(stream.size.1);
-        // `max_by_key` takes the last of equal streams, so the order is reversed.
-        let largest = packets.streams.iter().enumerate().rev().max_by_key(pixels);
-        let Some((stream, stated)) = largest else { return Self::default() };
-        Self { stream, codec: stated.codec.clone(), base: stated.base, aspect: stated.aspect, ..Self::default() }
+    fn stated(stream: usize, stated: &Stream) -> Self {
+        let Stream { codec, base, aspect, .. } = stated.clone();
+        Self { stream, codec, base, aspect, ..Self::default() }
     }
 
     /// Tells a file without pictures, such as a sound recording, from one that ffmpeg cannot read.
@@ -86,6 +88,17 @@ impl Facts {
         ensure!(all.streams.is_empty(), "{} holds no pictures: expected a video", input.name);
         bail!("ffmpeg cannot decode {}: {}: {EXPECTED}", input.name, packets.ffmpeg.last_words()?)
     }
+}
+
+/// Returns the number of the stream that ffmpeg reads by default: one that the file marks, else the one with the most
+/// pixels. Streams that state the same are not told apart: the first one is meant.
+fn default_stream(input: &Input, streams: &[Stream]) -> Result<usize> {
+    if streams.len() < 2 {
+        return Ok(0);
+    }
+    let mut packets = Packets::of(input, &[], &["-an", "-sn", "-dn", "-frames:v", "1"])?;
+    packets.next()?;
+    Ok(packets.streams.first().and_then(|chosen| streams.iter().position(|stream| stream == chosen)).unwrap_or(0))
 }
 
 pub(super) const EXPECTED: &str = "expected a whole video, or else pictures, Y4M or a raw dump (--size)";

@@ -7,11 +7,12 @@ use std::path::Path;
 const HEAD: u32 = 0x1A45_DFA3;
 const SEGMENT: u32 = 0x1853_8067;
 const CLUSTER: u32 = 0x1F43_B675;
+const TRACKS: u32 = 0x1654_AE6B;
 /// First bytes of an element with a checksum: the id CRC-32 and its length, 4 bytes.
 const CHECKSUM: [u8; 2] = [0xBF, 0x84];
 /// Ids of the elements of a segment: Cluster, SeekHead, Info, Tracks, Cues, Tags, Chapters, Attachments, Void.
 const IN_SEGMENT: [u32; 9] =
-    [0x1F43_B675, 0x114D_9B74, 0x1549_A966, 0x1654_AE6B, 0x1C53_BB6B, 0x1254_C367, 0x1043_A770, 0x1941_A469, 0xEC];
+    [0x1F43_B675, 0x114D_9B74, 0x1549_A966, TRACKS, 0x1C53_BB6B, 0x1254_C367, 0x1043_A770, 0x1941_A469, 0xEC];
 
 /// Id, and length of the content; `None` for an unknown length. Errors: the end, or no element.
 fn element(input: &mut impl Read) -> Result<(u32, Option<u64>)> {
@@ -89,7 +90,8 @@ pub(super) fn damage(file: &Path) -> Option<u64> {
                 Ok((id, Some(size))) if IN_SEGMENT.contains(&id) => match sum_holds(&mut input, size) {
                     Some(Some(holds)) => {
                         has_checksums = true;
-                        holds
+                        // Nothing else, such as tags, decides about pictures.
+                        holds || ![CLUSTER, TRACKS].contains(&id)
                     }
                     // A writer of checksums writes one into every cluster.
                     Some(None) => id != CLUSTER || !has_checksums,

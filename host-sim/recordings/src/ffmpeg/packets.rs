@@ -35,14 +35,21 @@ impl Packet {
 }
 
 /// A video stream, as the head of `framecrc` states it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Stream {
     pub codec: String,
     /// Unit of times in seconds, as a fraction.
     pub base: Option<(u32, u32)>,
     pub size: (u32, u32),
+    /// Length and checksum of what a decoder needs in front of the packets.
+    pub extradata: String,
     /// Width and height of a pixel, as a ratio.
     pub aspect: (u32, u32),
+}
+
+impl Stream {
+    const UNKNOWN: Self =
+        Self { codec: String::new(), base: None, size: (0, 0), extradata: String::new(), aspect: (1, 1) };
 }
 
 /// A running ffmpeg that prints the packets of a file.
@@ -88,11 +95,12 @@ impl Packets {
             return None;
         }
         if stream == self.streams.len() {
-            self.streams.push(Stream { codec: String::new(), base: None, size: (0, 0), aspect: (1, 1) });
+            self.streams.push(Stream::UNKNOWN);
         }
         let stated = &mut self.streams[stream];
         match name {
             "tb" => stated.base = fraction(value),
+            "extradata" => value.clone_into(&mut stated.extradata),
             "sar" => stated.aspect = fraction(value)?,
             "codec_id" => value.clone_into(&mut stated.codec),
             "dimensions" => {
