@@ -544,12 +544,12 @@ mod videos {
         fs::write(&video, &bytes[..bytes.len() * 2 / 3]).unwrap();
         let (frames, error) = read(&video, &OpenOptions::default());
         assert!((5..30).contains(&frames.len()), "{}", frames.len());
-        assert!(error.starts_with("@/a: colon.mkv is damaged, says ffmpeg: "), "{error}");
+        assert!(error.starts_with("@/a: colon.mkv is damaged: the checksum of its part from byte "), "{error}");
         let damage = open_plain(&video).unwrap().frames.find_map(Result::err).unwrap();
         let part = damage.downcast_ref::<Damaged>().and_then(Damaged::whole_part).unwrap();
-        assert_eq!(part, format!("..{}", frames.len()));
         let part = open_plain(&video).unwrap().part(part.parse().unwrap(), 1, "--frames").frames;
-        assert!(part.map(|frame| frame.unwrap().gray).eq(frames), "the frames before it can be read alone");
+        let part: Vec<_> = part.map(|frame| frame.unwrap().gray).collect();
+        assert!(part.len() >= 5 && frames.starts_with(&part), "the frames before it can be read alone");
     }
 
     #[test]
