@@ -5,6 +5,7 @@
 
 use super::facts::{EXPECTED, Video};
 use super::pictures::{End, Part, Picture, Pictures, Use};
+use super::process::Input;
 use super::search::{self, List, Whole};
 use crate::damage::damaged;
 use anyhow::{Context, Error, Result, anyhow};
@@ -175,7 +176,8 @@ impl Reading {
 
     /// True if another ffmpeg decodes copies of all packets without a doubt, into the same first picture.
     fn is_whole_by_packets(&mut self) -> Result<bool> {
-        if !self.video.input.file.is_file() || !List::of(&self.video)?.is_plain() {
+        let Input { file, end, .. } = &self.video.input;
+        if !file.is_file() || end.is_some() || !List::of(&self.video)?.is_plain() {
             return Ok(false);
         }
         let hash = self.hash.or_else(|| self.pictures.first_held());
