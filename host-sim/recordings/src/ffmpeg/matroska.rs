@@ -30,7 +30,8 @@ fn variable(input: &mut impl Read, most: u32, keeps_mark: bool) -> Result<(u64, 
     if bytes > most {
         return Err(std::io::ErrorKind::InvalidData.into());
     }
-    let start = if keeps_mark { first[0] } else { first[0] & (0xFF_u16 >> bytes) as u8 };
+    // Eight bytes leave no bit of the first one.
+    let start = if keeps_mark { first[0] } else { first[0] & 0xFF_u8.checked_shr(bytes).unwrap_or(0) };
     let mut value = u64::from(start);
     for _ in 1..bytes {
         let mut next = [0];
@@ -134,8 +135,7 @@ mod tests {
 
     fn element_of(id: &[u8], content: &[u8]) -> Vec<u8> {
         let mut bytes = id.to_vec();
-        bytes.push(0x40 | u8::try_from(content.len() >> 8).unwrap());
-        bytes.push((content.len() & 0xFF) as u8);
+        bytes.extend((0x4000 | u16::try_from(content.len()).unwrap()).to_be_bytes());
         bytes.extend(content);
         bytes
     }
