@@ -106,12 +106,14 @@ pub struct smr_method {
     /// Constructs a tracker and its workspace. Writes nothing if it fails.
     ///
     /// # Safety
-    /// The first two arguments point to `target_size` and `workspace_size` bytes, aligned to `ALIGNMENT`.
+    /// The first two arguments point to `target_size` and `workspace_size` bytes that can be written, aligned to
+    /// `ALIGNMENT`. As long as the tracker is used, only its calls use the former, and only calls on trackers that share
+    /// it the latter.
     pub(crate) make: unsafe fn(*mut c_void, *mut c_void, &smr_config) -> Result<(), smr_status>,
 }
 
 impl smr_config {
-    // SAFETY: every field is a pointer or a number.
+    // SAFETY: every field is a pointer or a number, for which zeroes are a value.
     pub(crate) const EMPTY: Self = unsafe { core::mem::zeroed() };
 
     fn backend(&self) -> Option<Backend> {

@@ -74,18 +74,19 @@ pub unsafe extern "C" fn smr_next_entry(
     at: *mut usize,
     entry: *mut smr_entry,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `size` bytes can be read at `record`, and `at` and `entry` point to memory of their types.
     status_of(unsafe { next_entry(record, size, at, entry) })
 }
 
 /// # Safety
-/// As `smr_next_entry` demands.
+/// If it is not NULL, `size` bytes at `record` can be read, and stay unchanged while the entry is used. An `at` that
+/// passes `pointer::check` points to a number, such an `entry` to memory for an entry.
 unsafe fn next_entry(record: *const u8, size: usize, at: *mut usize, entry: *mut smr_entry) -> Result<(), smr_status> {
     const NOWHERE: [core::ops::Range<usize>; 2] = [0..0, 0..0];
     pointer::check_bytes(record, size, &NOWHERE)?;
-    // SAFETY: as the caller ensures.
+    // SAFETY: `at` points to a number, and `entry` to memory for an entry, if they pass `pointer::check`.
     let (start, next, out) = unsafe { (pointer::read(at)?, Out::new(at)?, Out::new(entry)?) };
-    // SAFETY: as the caller ensures; the pointer is not NULL, and its bytes are at most isize::MAX.
+    // SAFETY: `record` is not NULL, and has `size` initialised bytes, at most isize::MAX, which nobody changes.
     let record = unsafe { core::slice::from_raw_parts(record, size) };
     let rest = record.get(start..).ok_or(SMR_ERROR_DAMAGED)?;
     if rest.is_empty() {
@@ -96,7 +97,7 @@ unsafe fn next_entry(record: *const u8, size: usize, at: *mut usize, entry: *mut
         Flaw::OtherVersion(_) => SMR_ERROR_OTHER_VERSION,
         _ => SMR_ERROR_DAMAGED,
     })?;
-    // SAFETY: the caller ensures that there is memory for an entry.
+    // SAFETY: `entry` passed `pointer::check`, so there is memory for an entry, which nobody else uses.
     fill(unsafe { &mut *entry }, &found.entry)?;
     next.write(start + found.size);
     Ok(())

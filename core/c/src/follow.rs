@@ -23,7 +23,8 @@ use smr_core::{Rect, Target};
 /// @return        Bytes; 0 if `config` is NULL or not filled. Can differ from the macro: see #SMR_PIXELS.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_target_size(config: *const smr_config) -> usize {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `config` points to an `smr_config` with a preset's method or none, if it passes
+    // `pointer::check`.
     unsafe { deref(config) }.map_or(0, |(_, method)| method.target_size)
 }
 
@@ -34,7 +35,8 @@ pub unsafe extern "C" fn smr_target_size(config: *const smr_config) -> usize {
 /// @return        As #smr_target_size.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_workspace_size(config: *const smr_config) -> usize {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `config` points to an `smr_config` with a preset's method or none, if it passes
+    // `pointer::check`.
     unsafe { deref(config) }.map_or(0, |(_, method)| method.workspace_size)
 }
 
@@ -63,19 +65,22 @@ pub unsafe extern "C" fn smr_init(
     config: *const smr_config,
     tracker: *mut *mut smr_tracker,
 ) -> smr_status {
-    // SAFETY: the caller gives memory for a pointer.
+    // SAFETY: by the header, `tracker` points to memory for a pointer, if it passes `pointer::check`.
     let out = match unsafe { Out::new(tracker) } {
         Ok(out) => out,
         Err(status) => return status,
     };
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `storage` and `workspace` have as many bytes as stated, which only trackers use from now
+    // on, and `config` is an `smr_config` with a preset's method or none.
     let made = unsafe { init(storage, storage_size, workspace, workspace_size, config) };
     out.write(if made.is_ok() { storage.cast() } else { ptr::null_mut() });
     status_of(made)
 }
 
 /// # Safety
-/// As `smr_init` demands.
+/// `storage_size` bytes at `storage` and `workspace_size` bytes at `workspace` can be written. As long as the tracker is
+/// used, only its calls use the former, and only calls on trackers that share it the latter. A `config` that passes `pointer::check` points to an `smr_config`, whose
+/// method is NULL or from a preset.
 unsafe fn init(
     storage: *mut c_void,
     storage_size: usize,
@@ -88,7 +93,7 @@ unsafe fn init(
     if !storage.addr().is_multiple_of(ALIGNMENT) || !workspace.addr().is_multiple_of(ALIGNMENT) {
         return Err(SMR_ERROR_MISALIGNED);
     }
-    // SAFETY: as the caller ensures.
+    // SAFETY: `config` points to an `smr_config` with a preset's method or none, if it passes `pointer::check`.
     let (config, method) = unsafe { deref(config)? };
     if storage_size < method.target_size {
         return Err(SMR_ERROR_STORAGE_TOO_SMALL);
@@ -101,7 +106,8 @@ unsafe fn init(
     if pointer::overlap(&storage_range, &workspace_range) {
         return Err(SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE);
     }
-    // SAFETY: sizes and alignment are checked; the caller ensures the rest.
+    // SAFETY: `storage` and `workspace` are aligned, apart, and have as many bytes as the method needs, which only
+    // trackers use from now on.
     unsafe { (method.make)(storage, workspace, config) }
 }
 
@@ -123,7 +129,8 @@ pub unsafe extern "C" fn smr_lock_window(
     bbox: *const smr_rect,
     window: *mut smr_rect,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, `bbox` points to a rectangle, and `window` to
+    // memory for one.
     status_of(unsafe {
         write_result(tracker, window, |tracker| {
             let bbox = Rect::from(pointer::read(bbox)?);
@@ -146,7 +153,9 @@ enum Argument {
 /// Locks or updates for about `work` units; `None`: begins in any case, and does all of the work.
 ///
 /// # Safety
-/// As `smr_lock` or `smr_update` demands.
+/// Each pointer that passes `pointer::check` points to memory of its type: `tracker` to a handle whose tracker nobody
+/// else uses during the call, `frame` to a frame whose pixels can be read and stay unchanged during the call,
+/// `argument` to a box or to memory for an answer.
 #[inline(never)] // one copy in flash
 unsafe fn follow(
     tracker: *mut smr_tracker,
@@ -154,7 +163,8 @@ unsafe fn follow(
     argument: Argument,
     work: Option<u32>,
 ) -> smr_status {
-    // SAFETY: as the caller ensures.
+    // SAFETY: nobody else uses the tracker during the call. The pixels of `frame` can be read. `argument` points to a
+    // box or to memory for an answer.
     status_of(unsafe {
         with_frame(tracker, frame, |tracker, frame| {
             let call = match argument {
@@ -183,7 +193,8 @@ pub unsafe extern "C" fn smr_lock(
     frame: *const smr_frame,
     bbox: *const smr_rect,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, the pixels of `frame` can be read, and `bbox`
+    // points to a rectangle.
     unsafe { follow(tracker, frame, Argument::Box(bbox), None) }
 }
 
@@ -204,7 +215,8 @@ pub unsafe extern "C" fn smr_lock_step(
     bbox: *const smr_rect,
     work: u32,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, the pixels of `frame` can be read, and `bbox`
+    // points to a rectangle.
     unsafe { follow(tracker, frame, Argument::Box(bbox), Some(work)) }
 }
 
@@ -226,7 +238,8 @@ pub unsafe extern "C" fn smr_update(
     frame: *const smr_frame,
     answer: *mut smr_answer,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, the pixels of `frame` can be read, and
+    // `answer` points to memory for an answer.
     unsafe { follow(tracker, frame, Argument::Answer(answer), None) }
 }
 
@@ -253,7 +266,8 @@ pub unsafe extern "C" fn smr_update_step(
     work: u32,
     answer: *mut smr_answer,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, the pixels of `frame` can be read, and
+    // `answer` points to memory for an answer.
     unsafe { follow(tracker, frame, Argument::Answer(answer), Some(work)) }
 }
 
@@ -266,7 +280,8 @@ pub unsafe extern "C" fn smr_update_step(
 /// cbindgen:ptrs-as-arrays=[[windows; 2]]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut smr_rect) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, and `windows` points to memory for two
+    // rectangles.
     status_of(unsafe {
         write_result(tracker, windows.cast::<[smr_rect; 2]>(), |tracker| {
             let window = tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?;
@@ -285,7 +300,7 @@ pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut 
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: i32) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call.
     status_of(unsafe { borrow(tracker) }.map(|tracker| {
         tracker.cancel();
         each!(tracker.known(), target => target.moved(right, down));

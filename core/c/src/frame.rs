@@ -95,7 +95,8 @@ impl smr_part {
     #[inline(never)] // one copy in flash
     unsafe fn image<'a>(&self, taken: &[Range<usize>; 2]) -> Result<Image<'a>, smr_status> {
         pointer::check_bytes(self.pixels, self.size, taken)?;
-        // SAFETY: not NULL, at most isize::MAX bytes, and bytes are always aligned; the rest as the caller ensures.
+        // SAFETY: not NULL, and `size` bytes, at most isize::MAX, can be read and stay unchanged while the result
+        // lives.
         let pixels = unsafe { core::slice::from_raw_parts(self.pixels, self.size) };
         Ok(Image::with_stride(pixels, self.width, self.height, self.stride)?)
     }
@@ -103,15 +104,16 @@ impl smr_part {
 
 impl smr_frame {
     /// # Safety
-    /// As for [`smr_part::image`], for both parts.
+    /// For each part whose `pixels` are not NULL, `size` bytes from there can be read, and nobody writes them while the
+    /// result lives.
     pub(crate) unsafe fn frame<'a>(&self, taken: &[Range<usize>; 2]) -> Result<Frame<'a>, smr_status> {
         let [first, second] = &self.parts;
-        // SAFETY: as the caller ensures.
+        // SAFETY: `size` bytes of the first part can be read, and nobody writes them while the result lives.
         let frame = Frame::part(unsafe { first.image(taken)? }, first.x, first.y, self.width, self.height)?;
         if second.pixels.is_null() {
             return Ok(frame);
         }
-        // SAFETY: as the caller ensures.
+        // SAFETY: `size` bytes of the second part can be read, and nobody writes them while the result lives.
         Ok(frame.and_part(unsafe { second.image(taken)? }, second.x, second.y)?)
     }
 }

@@ -135,12 +135,15 @@ const fn fits<T>(size: usize, optional: usize) -> bool {
 }
 
 /// # Safety
-/// As `smr_method::make` demands.
+/// `T::METHOD.target_size` bytes at `storage` and `T::METHOD.workspace_size` bytes at `workspace` can be written, and both
+/// are aligned to `ALIGNMENT`. As long as the tracker is used, only its calls use the former, and only calls on trackers
+/// that share it the latter.
 unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: &smr_config) -> Result<(), smr_status> {
     let (storage, workspace) = (storage.cast::<Stored<T>>(), workspace.cast::<Scratch<T>>());
     let config = T::configuration(config);
     T::check_config(&config)?;
-    // SAFETY: the caller ensures that there is memory for both. Each field is written in place.
+    // SAFETY: both have the bytes that the method states, enough for the types (`fits`), and are aligned. Each field is
+    // written in place.
     unsafe {
         (&raw mut (*storage).own.target).write(T::EMPTY);
         (*storage).own.target.set_config(config);
@@ -157,8 +160,8 @@ impl<T: Method> OwnTracker<T> {
     /// The workspace; `None` if its memory was overwritten.
     fn workspace(&self) -> Option<NonNull<Scratch<T>>> {
         let workspace = self.workspace;
-        // SAFETY: `make` wrote this address, and its caller ensures that the memory stays. Only the mark is read: any
-        // bytes are a usize.
+        // SAFETY: `make` wrote this address, and by the header of `smr_init` the memory stays. Only the mark is read:
+        // any bytes are a usize.
         if unsafe { (&raw const (*workspace).mark).read() } != Scratch::mark_of(workspace) {
             return None;
         }
@@ -171,8 +174,8 @@ impl<T: Method> OwnTracker<T> {
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
         let owner = ptr::from_ref(self).addr();
         let mut scratch = self.workspace().ok_or(SMR_ERROR_NOT_INITIALISED)?;
-        // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody
-        // else uses it.
+        // SAFETY: the mark shows that a workspace of this type is there. By the header, calls on trackers that share it
+        // do not overlap, so nobody else uses it.
         let Scratch { owner: last, workspace, .. } = unsafe { scratch.as_mut() };
         if core::mem::replace(last, owner) != owner {
             calls::end::<T>(workspace);
@@ -232,7 +235,8 @@ impl<T: Method> Tracked for OwnTracker<T> {
 
     #[cfg(feature = "unstable")]
     fn work(&self) -> Result<u32, smr_status> {
-        // SAFETY: as for `parts`; nobody writes the workspace while the result lives.
+        // SAFETY: the mark shows that a workspace of this type is there, and calls that write it do not overlap this
+        // one.
         Ok(T::work(unsafe { &self.workspace().ok_or(SMR_ERROR_NOT_INITIALISED)?.as_ref().workspace }))
     }
 
@@ -240,7 +244,8 @@ impl<T: Method> Tracked for OwnTracker<T> {
         let own = ptr::from_ref(self).addr();
         // Without a workspace, because its memory was overwritten, nothing is under way.
         if let Some(mut scratch) = self.workspace() {
-            // SAFETY: as for `parts`.
+            // SAFETY: the mark shows that a workspace of this type is there, and calls that use it do not overlap this
+            // one.
             let owner = unsafe { &mut scratch.as_mut().owner };
             if *owner == own {
                 *owner = 0;

@@ -22,7 +22,7 @@ pub(crate) fn check<T>(pointer: *const T) -> Result<(), smr_status> {
 /// A `from` that passes [`check`] points to a `T`.
 pub(crate) unsafe fn read<T: Copy>(from: *const T) -> Result<T, smr_status> {
     check(from)?;
-    // SAFETY: `from` is neither NULL nor misaligned, and the caller ensures that it points to a T.
+    // SAFETY: `from` passed `check`, so it is neither NULL nor misaligned and points to a T.
     Ok(unsafe { from.read() })
 }
 
@@ -38,7 +38,7 @@ impl<T> Out<T> {
     }
 
     pub(crate) fn write(&self, value: T) {
-        // SAFETY: `new` has checked the pointer, and its caller ensures that there is memory for a T.
+        // SAFETY: `new` has checked the pointer, which points to memory for a T while `self` lives.
         unsafe { self.0.write(value) }
     }
 
@@ -47,7 +47,7 @@ impl<T> Out<T> {
     where
         T: Copy,
     {
-        // SAFETY: as for `write`.
+        // SAFETY: `new` has checked the pointer, which points to memory for a T, and `write` has stored one there.
         unsafe { self.0.read() }
     }
 }

@@ -76,7 +76,8 @@ impl smr_readout {
     /// A `from` that passes [`pointer::check`] points to an `smr_readout`.
     unsafe fn read(from: *const Self) -> Result<Self, smr_status> {
         pointer::check(from)?;
-        // SAFETY: neither NULL nor misaligned; the rest as the caller ensures.
+        // SAFETY: `from` passed `check`, so it points to a readout. Only `next`, which is read as a volatile, and
+        // `line`, which is not read, may change meanwhile.
         unsafe {
             let next = (&raw const (*from).next).read_volatile();
             // Pixels must be read later than `next`, because only lines with an index below `next` are complete.
@@ -88,11 +89,11 @@ impl smr_readout {
     /// Stores `next` once the pixels are written. If `result` is an error of a line, stores the line's index in `line`.
     ///
     /// # Safety
-    /// [`Self::read`] has checked `to`.
+    /// `to` points to an `smr_readout`, aligned, which only this call writes.
     unsafe fn store_progress(to: *mut Self, next: u16, result: Result<(), ReadoutError>) -> Result<(), smr_status> {
         use ReadoutError::{LineMissing, LineOutOfOrder, LineOutsideFrame, LineTooShort};
         compiler_fence(Ordering::Release);
-        // SAFETY: `read` has checked the pointer.
+        // SAFETY: `to` points to a readout, aligned, which only this call writes.
         unsafe {
             (&raw mut (*to).next).write_volatile(next);
             if let Err(LineMissing(line) | LineOutOfOrder(line) | LineOutsideFrame(line) | LineTooShort(line)) = result
@@ -159,7 +160,7 @@ pub unsafe extern "C" fn smr_readout_begin(
     size: usize,
 ) -> smr_status {
     let begin = || {
-        // SAFETY: as the header demands of the caller.
+        // SAFETY: by the header, `readout` points to memory for a readout, and `windows` to two rectangles.
         let (readout, windows) = unsafe { (Out::new(readout)?, pointer::read(windows.cast::<[smr_rect; 2]>())?) };
         let begun = smr_readout { format, columns, lines, next: 0, line: 0, windows, pixels, size };
         begun.core_readout()?;
@@ -187,7 +188,8 @@ pub unsafe extern "C" fn smr_readout_line(
     bytes: *const u8,
     size: usize,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `readout` is filled, its windows' memory belongs to this call, and `size` bytes can be
+    // read at `bytes`.
     status_of(unsafe { convert(readout, bytes, size, |readout, bytes, pixels| readout.push_line(y, bytes, pixels)) })
 }
 
@@ -205,7 +207,8 @@ pub unsafe extern "C" fn smr_readout_lines(
     size: usize,
     stride: usize,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `readout` is filled, its windows' memory belongs to this call, and `size` bytes can be
+    // read at `bytes`.
     status_of(unsafe {
         convert(readout, bytes, size, |readout, bytes, pixels| readout.push_frame(bytes, stride, pixels))
     })
@@ -214,25 +217,28 @@ pub unsafe extern "C" fn smr_readout_lines(
 /// Calls `push` to convert the lines in `bytes`, then updates `next` and `line` of the readout `to`.
 ///
 /// # Safety
-/// As the header demands of the caller of #smr_readout_line.
+/// A `to` that passes `pointer::check` points to an `smr_readout`. Its `size` bytes at `pixels`, if they pass too, are
+/// initialised, and nobody else uses them during the call unless the readout is complete. If `bytes` is not NULL,
+/// `size` bytes can be read there, and stay unchanged.
 unsafe fn convert(
     to: *mut smr_readout,
     bytes: *const u8,
     size: usize,
     push: impl FnOnce(&mut Readout, &[u8], &mut [u8]) -> Result<(), ReadoutError>,
 ) -> Result<(), smr_status> {
-    // SAFETY: as the caller ensures.
+    // SAFETY: `to` points to an `smr_readout`, if it passes `pointer::check`.
     let begun = unsafe { smr_readout::read(to)? };
     pointer::check_bytes(bytes, size, &[pointer::range(begun.pixels, begun.size), 0..0])?;
     let mut readout = begun.core_readout()?;
     // Once the windows are complete, the tracker may be reading them, so later lines get no memory to write to.
     let room = if readout.is_complete() { 0 } else { begun.size };
-    // SAFETY: as the caller ensures; the line is outside the windows' memory.
+    // SAFETY: `size` bytes can be read at `bytes`, outside the windows' memory. That memory has `begun.size` bytes,
+    // which nobody else uses unless `room` is 0.
     let result = unsafe {
         let (bytes, pixels) = (slice::from_raw_parts(bytes, size), slice::from_raw_parts_mut(begun.pixels, room));
         push(&mut readout, bytes, pixels)
     };
-    // SAFETY: `to` was read.
+    // SAFETY: `read` has checked that `to` is neither NULL nor misaligned, and only this call writes the readout.
     unsafe { smr_readout::store_progress(to, readout.next, result) }
 }
 
@@ -245,7 +251,7 @@ unsafe fn convert(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_readout_frame(readout: *const smr_readout, frame: *mut smr_frame) -> smr_status {
     let fill = || {
-        // SAFETY: as the header demands of the caller.
+        // SAFETY: by the header, `readout` is filled, and `frame` points to memory for a frame.
         let (begun, frame) = unsafe { (smr_readout::read(readout)?, Out::new(frame)?) };
         if !begun.core_readout()?.is_complete() {
             return Err(SMR_ERROR_LINE_MISSING);

@@ -36,7 +36,8 @@ pub struct smr_recorder {
 /// @return          #SMR_OK, #SMR_ERROR_NULL (also `write`), #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_record(tracker: *mut smr_tracker, recorder: *mut smr_recorder) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, and `recorder` is NULL or points to a
+    // recorder, which stays in place and nobody else uses.
     status_of(unsafe {
         borrow(tracker).and_then(|_| {
             let own = (*tracker).own;
@@ -58,7 +59,8 @@ pub unsafe extern "C" fn smr_record(tracker: *mut smr_tracker, recorder: *mut sm
 
 impl smr_recorder {
     fn own<'a>(&self) -> &'a mut dyn Tracked {
-        // SAFETY: `smr_record` has set it, and its caller ensures that nobody else uses the tracker.
+        // SAFETY: `smr_record` has set `tracker` to one that `smr_init` made. By the header, nobody else uses it in a
+        // call.
         unsafe { &mut *(*self.tracker).own }
     }
 }
@@ -102,7 +104,7 @@ impl Tracked for smr_recorder {
         let (Some(write), 0) = (self.write, self.failed) else { return };
         let context = self.context;
         let write = |bytes: &[u8]| {
-            // SAFETY: as the caller of `smr_record` ensures: C's function takes these bytes.
+            // SAFETY: by the header, `write` is a function that takes `context`, an address and a number of bytes.
             if unsafe { write(context, bytes.as_ptr(), bytes.len()) } == 0 { Ok(()) } else { Err(()) }
         };
         let mut to = Recorder::resume(self.entries, write);

@@ -26,7 +26,7 @@ const CAMERA: paper::Config = {
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `config` points to memory for an `smr_config`, if it passes `pointer::check`.
     status_of(unsafe { fill(config, method_of::<PaperTarget>(), |config| config.paper = (&CAMERA).into()) })
 }
 
@@ -39,7 +39,7 @@ pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_statu
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `config` points to memory for an `smr_config`, if it passes `pointer::check`.
     status_of(unsafe {
         fill(config, method_of::<PaperTarget>(), |config| config.paper = (&paper::Config::paper()).into())
     })
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `config` points to memory for an `smr_config`, if it passes `pointer::check`.
     status_of(unsafe {
         fill(config, method_of::<Robust>(), |config| config.robust = (&robust::Config::robust()).into())
     })
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_statu
 pub unsafe extern "C" fn smr_config_refined(config: *mut smr_config) -> smr_status {
     let mut refined = robust::Config::robust();
     refined.refiner = true;
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `config` points to memory for an `smr_config`, if it passes `pointer::check`.
     status_of(unsafe { fill(config, method_of::<Robust>(), |config| config.robust = (&refined).into()) })
 }
 
@@ -82,7 +82,7 @@ unsafe fn fill(
     values: impl FnOnce(&mut smr_config),
 ) -> Result<(), smr_status> {
     pointer::check(config)?;
-    // SAFETY: neither NULL nor misaligned; there is memory, as the caller ensures.
+    // SAFETY: `config` passed `pointer::check`, so there is memory for an `smr_config`, aligned.
     unsafe {
         config.write(smr_config::EMPTY);
         (*config).method = method;
@@ -125,7 +125,8 @@ pub unsafe extern "C" fn smr_set(
     values: *const u16,
     count: usize,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller: a string, and `count` values.
+    // SAFETY: by the header, `config` is an `smr_config` with a preset's method or none, `name` a string, and `values`
+    // has `count` numbers.
     status_of(unsafe {
         deref(config).and_then(|(now, method)| {
             pointer::check(name)?;
@@ -159,7 +160,8 @@ pub unsafe extern "C" fn smr_setting_at(
     index: usize,
     setting: *mut smr_setting,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, `config` is an `smr_config` with a preset's method or none, and `setting` points to memory
+    // for a setting.
     status_of(unsafe {
         deref(config).and_then(|(config, method)| {
             let out = Out::new(setting)?;
@@ -199,9 +201,9 @@ pub(crate) fn name_in_c(name: &str) -> *const c_char {
 /// A `config` that passes `pointer::check` points to one that outlives the result. Its method is NULL or from a preset.
 pub(crate) unsafe fn deref<'a>(config: *const smr_config) -> Result<(&'a smr_config, &'static smr_method), smr_status> {
     pointer::check(config)?;
-    // SAFETY: as the caller ensures.
+    // SAFETY: `config` passed `pointer::check`, so it points to an `smr_config` that outlives the result.
     let config = unsafe { &*config };
     let method = config.method;
-    // SAFETY: as the caller ensures. The presets fill in the address of a constant.
+    // SAFETY: the method is NULL or from a preset, and presets fill in the address of a constant.
     unsafe { method.as_ref() }.map(|method| (config, method)).ok_or(SMR_ERROR_NOT_INITIALISED)
 }

@@ -19,7 +19,7 @@ use smr_core::{RestoreError, Target};
 /// @return         As #smr_windows.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_quality(tracker: *const smr_tracker, quality: *mut u16) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, and `quality` points to memory for a number.
     status_of(unsafe {
         write_result(tracker, quality, |tracker| {
             let quality = each!(tracker.known(), target => target.quality());
@@ -40,7 +40,8 @@ pub unsafe extern "C" fn smr_last(
     bbox: *mut smr_fine_rect,
     state: *mut smr_state,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, and `bbox` and `state` point to memory of
+    // their types.
     status_of(unsafe {
         write_result(tracker, bbox, |tracker| {
             let out = Out::new(state)?;
@@ -67,7 +68,8 @@ pub unsafe extern "C" fn smr_template(
     size: usize,
     image: *mut smr_image,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, `size` bytes can be written at `pixels`, and
+    // `image` points to memory for an image.
     status_of(unsafe {
         write_result(tracker, image, |tracker| {
             pointer::check_bytes(pixels, size, &tracker.memory())?;
@@ -86,14 +88,14 @@ pub unsafe extern "C" fn smr_template(
 }
 
 /// # Safety
-/// There is memory for `size` bytes at the pixels of `to`.
+/// `size` bytes can be written at `to.pixels`.
 unsafe fn copy(to: smr_image, size: usize, from: impl Iterator<Item = u8>) -> Result<smr_image, smr_status> {
     let area = usize::from(to.width) * usize::from(to.height);
     if size < area {
         return Err(SMR_ERROR_BUFFER_TOO_SMALL);
     }
     for (at, pixel) in (0..area).zip(from) {
-        // SAFETY: the caller ensures that there is memory for `size` pixels, and `size` is at least their number.
+        // SAFETY: `size` bytes can be written there, and `at` is below `area`, which is at most `size`.
         unsafe { to.pixels.cast_mut().add(at).write(pixel) }
     }
     Ok(to)
@@ -119,7 +121,7 @@ impl Known<'_> {
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut usize) -> smr_status {
-    // SAFETY: as the header demands of the caller.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, and `size` points to memory for a number.
     status_of(unsafe {
         write_result(tracker, size, |tracker| match tracker.known() {
             Known::Paper(_) => Ok(PAPER_SAVED_SIZE),
@@ -143,7 +145,8 @@ pub unsafe extern "C" fn smr_save(
     size: usize,
     written: *mut usize,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller: nobody else uses the `size` bytes.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, nor the `size` bytes at `bytes`, and `written`
+    // points to memory for a number.
     status_of(unsafe {
         write_result(tracker, written, |tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
@@ -168,7 +171,8 @@ pub unsafe extern "C" fn smr_save(
 ///                 #SMR_ERROR_SAVED_TOO_LARGE).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8, size: usize) -> smr_status {
-    // SAFETY: as the header demands of the caller: there are `size` bytes, and nobody writes them.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, `size` bytes can be read at `bytes`, and
+    // nobody writes them.
     status_of(unsafe {
         borrow(tracker).and_then(|tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
@@ -195,7 +199,8 @@ pub unsafe extern "C" fn smr_other_setting(
     size: usize,
     name: *mut *const c_char,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller: there are `size` bytes, and nobody writes them.
+    // SAFETY: by the header, nobody else uses `tracker` during the call, `size` bytes can be read at `bytes`, and
+    // nobody writes them. `name` points to memory for a pointer.
     status_of(unsafe {
         write_result(tracker, name, |tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;

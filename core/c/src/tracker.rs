@@ -103,30 +103,33 @@ pub(crate) type ResponseMap = [[i32; 17]; 17];
 /// The tracker that `smr_init` made at this address.
 ///
 /// # Safety
-/// A `tracker` that is not NULL points to memory of the size of a handle, and nobody else uses the tracker while the
-/// result lives.
+/// A `tracker` that is not NULL points to a handle that `smr_init` made, or to memory of that size without its mark.
+/// Nobody else uses the tracker while the result lives.
 #[inline(never)] // one copy in flash
 pub(crate) unsafe fn borrow<'a>(tracker: *mut smr_tracker) -> Result<&'a mut dyn Tracked, smr_status> {
     pointer::check(tracker)?;
-    // SAFETY: neither NULL nor misaligned, and there is memory. Only the mark is read, and any bytes are a usize.
+    // SAFETY: `tracker` passed `check`, so there is memory for a handle. Only the mark is read, and any bytes are a
+    // usize.
     let mark = unsafe { addr_of!((*tracker).mark).read() };
     if mark != mark_of(tracker) {
         return Err(SMR_ERROR_NOT_INITIALISED);
     }
-    // SAFETY: the mark shows that `smr_init` made a tracker here; the caller ensures that nobody else uses it.
+    // SAFETY: the mark shows that `smr_init` made a tracker here, and nobody else uses it while the result lives.
     Ok(unsafe { &mut *(*tracker).receiver })
 }
 
 /// Writes the result of `question` to `out`. A `question` only reads the tracker.
 ///
 /// # Safety
-/// As for [`borrow`]; an `out` that is not NULL has memory for a `T`.
+/// A `tracker` that is not NULL points to a handle that `smr_init` made, or to memory of that size without its mark.
+/// Nobody else uses the tracker during the call. An `out` that passes `pointer::check` points to memory for a `T`.
 pub(crate) unsafe fn write_result<T>(
     tracker: *const smr_tracker,
     out: *mut T,
     question: impl FnOnce(&mut dyn Tracked) -> Result<T, smr_status>,
 ) -> Result<(), smr_status> {
-    // SAFETY: as the caller ensures. The tracker is not written through this borrow.
+    // SAFETY: nobody else uses the tracker, which is not written through this borrow, and `out` points to memory for a
+    // T.
     let (tracker, out) = unsafe { (borrow(tracker.cast_mut())?, Out::new(out)?) };
     out.write(question(tracker)?);
     Ok(())
@@ -135,14 +138,16 @@ pub(crate) unsafe fn write_result<T>(
 /// Calls `work` with a tracker and a frame. The frame's pixels must lie outside the tracker's memory.
 ///
 /// # Safety
-/// As for [`borrow`]; a `frame` that is not NULL points to an `smr_frame`, whose pixels can be read during the call.
+/// A `tracker` that is not NULL points to a handle that `smr_init` made, or to memory of that size without its mark.
+/// Nobody else uses the tracker during the call. A `frame` that passes `pointer::check` points to an `smr_frame`, whose
+/// pixels can be read, and stay unchanged, during the call.
 pub(crate) unsafe fn with_frame(
     tracker: *mut smr_tracker,
     frame: *const smr_frame,
     work: impl FnOnce(&mut dyn Tracked, &Frame<'_>) -> Result<(), smr_status>,
 ) -> Result<(), smr_status> {
     // Not `?`, which would copy the frame.
-    // SAFETY: as the caller ensures.
+    // SAFETY: nobody else uses the tracker, and the pixels of `frame` can be read, until `work` returns.
     match &mut unsafe { framed(tracker, frame) } {
         Ok((tracker, frame)) => work(*tracker, frame),
         Err(error) => Err(*error),
@@ -152,13 +157,16 @@ pub(crate) unsafe fn with_frame(
 /// Dereferences the pointers of [`with_frame`], and checks that the frame lies outside the tracker's memory.
 ///
 /// # Safety
-/// As for [`with_frame`].
+/// A `tracker` that is not NULL points to a handle that `smr_init` made, or to memory of that size without its mark.
+/// Nobody else uses the tracker while the result lives. A `frame` that passes `pointer::check` points to an
+/// `smr_frame`, whose pixels can be read, and stay unchanged, while the result lives.
 #[inline(never)] // one copy in flash
 unsafe fn framed<'a>(
     tracker: *mut smr_tracker,
     frame: *const smr_frame,
 ) -> Result<(&'a mut dyn Tracked, Frame<'a>), smr_status> {
-    // SAFETY: as the caller ensures.
+    // SAFETY: nobody else uses the tracker, and the pixels of `frame` can be read, while the result lives. `frame` is
+    // dereferenced after `check` has passed it.
     unsafe {
         let tracker = borrow(tracker)?;
         pointer::check(frame)?;

@@ -10,22 +10,33 @@ use core::ffi::{c_int, c_void};
 
 /// Sets `work` to the work of the present or last update or lock in the workspace of `tracker`, even by another
 /// tracker, plus that of any later `smr_response_map`, in the units of `smr_update_step`.
+///
+/// # Safety
+/// A `tracker` that is not NULL points to a handle that `smr_init` made, or to memory of that size without its mark.
+/// Nobody else uses the tracker during the call. A `work` that is neither NULL nor misaligned points to memory for a
+/// number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_work(tracker: *const smr_tracker, work: *mut u32) -> smr_status {
-    // SAFETY: as every call demands of its caller.
+    // SAFETY: `tracker` is a handle that nobody else uses during the call, and `work` points to memory for a number.
     status_of(unsafe { write_result(tracker, work, |tracker| tracker.work()) })
 }
 
 /// Sets `responses[reach + y][reach + x]` to the robust tracker's filter response in `frame` at (x, y) cells from the
 /// middle of the next update's search window, in units of 1/16384, without the distance penalty. `reach` is the
 /// tracker's setting; entries with an index above 2 * `reach` are 0. Cancels an update under way.
+///
+/// # Safety
+/// A `tracker` that is not NULL points to a handle that `smr_init` made, or to memory of that size without its mark.
+/// Nobody else uses the tracker during the call. If they are neither NULL nor misaligned, `frame` points to a frame
+/// whose pixels can be read and stay unchanged during the call, and `responses` to memory for a map.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_response_map(
     tracker: *mut smr_tracker,
     frame: *const smr_frame,
     responses: *mut ResponseMap,
 ) -> smr_status {
-    // SAFETY: as every call demands of its caller.
+    // SAFETY: `tracker` is a handle that nobody else uses during the call, the pixels of `frame` can be read, and
+    // `responses` points to memory for a map.
     status_of(unsafe {
         with_frame(tracker, frame, |tracker, frame| {
             let out = Out::new(responses)?;
@@ -45,9 +56,15 @@ pub struct Sink {
 }
 
 /// Calls [`smr_record`] with a `write` that stores into the memory of `sink`: JavaScript cannot pass a C function.
+///
+/// # Safety
+/// A `tracker` that is not NULL points to a handle that `smr_init` made, or to memory of that size without its mark.
+/// Nobody else uses the tracker during the call. `sink` is not NULL, and points to a [`Sink`] that stays in place, for
+/// this tracker alone, while it records. `size` bytes can be written at its `bytes`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_record_to_memory(tracker: *mut smr_tracker, sink: *mut Sink) -> smr_status {
-    // SAFETY: as every call demands of its caller.
+    // SAFETY: `sink` points to a sink, which nobody else uses and which stays in place, as `smr_record` demands of its
+    // recorder.
     unsafe {
         (*sink).recorder.write = Some(to_memory);
         (*sink).recorder.context = sink.cast();
@@ -55,8 +72,11 @@ pub unsafe extern "C" fn smr_record_to_memory(tracker: *mut smr_tracker, sink: *
     }
 }
 
+/// # Safety
+/// `sink` points to a [`Sink`] that nobody else uses, with `size` bytes that can be written at its `bytes`. `count`
+/// bytes can be read at the argument `bytes`, outside of them.
 unsafe extern "C" fn to_memory(sink: *mut c_void, bytes: *const u8, count: usize) -> c_int {
-    // SAFETY: `smr_record_to_memory` has put the sink there, and its caller the memory.
+    // SAFETY: `sink` points to a sink. At most the bytes from `used` on are written of its `size` bytes.
     unsafe {
         let sink = &mut *sink.cast::<Sink>();
         if count > sink.size - sink.used.min(sink.size) {

@@ -47,6 +47,8 @@ mod firmware {
         panic!("a fault at {at:#x}: memory was touched that is not the kernel's");
     }
 
+    /// # Safety
+    /// Only the processor calls this, with the registers that it has stored at a fault.
     #[cfg(target_arch = "arm")]
     #[cortex_m_rt::exception]
     #[allow(unsafe_code)] // cortex-m-rt requires an unsafe handler

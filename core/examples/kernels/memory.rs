@@ -61,7 +61,7 @@ fn forbid(mpu: &MPU, addresses: [usize; 3]) {
             size_and_access.write_volatile(NOT_EVEN_READ);
         }
     }
-    // SAFETY: as above; all other memory stays accessible.
+    // SAFETY: no Rust object is in the regions that are forbidden, and all other memory stays accessible.
     unsafe { mpu.ctrl.write(ON_AND_ELSE_ALLOWED) };
     cortex_m::asm::dsb();
     cortex_m::asm::isb();

@@ -41,9 +41,6 @@
 //!    vector before are masked. Rows narrower than a vector are copied ([`last`]) or loaded in parts (x86-64).
 //! 9. **The last vector of ranges overlaps the one before** ([`spread`], [`ranges_of_rows`]), with the same values.
 //! 10. **No closures.** A closure is a function of its own, without the `#[target_feature]` that it needs.
-//!
-//! Each `unsafe` function requires that the processor has the instruction set of its vector, and that the pictures of
-//! its rows are borrowed. Its comment names any other requirement.
 
 use super::cut_table::{CutTable, ONE};
 use super::rows::Rows;
@@ -63,14 +60,28 @@ pub(crate) trait Vector: Copy {
     /// A sum of bytes, spread over several lanes. No lane overflows: even the sum of 65537 bytes is below 2^25.
     type Total: Copy;
 
+    /// # Safety
+    /// The processor has the instruction set of the vector.
     unsafe fn splat(byte: u8) -> Self;
     /// Loads bytes from any address.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of the vector. [`Vector::LANES`] bytes can be read at `from`.
     unsafe fn load(from: *const u8) -> Self;
+    /// # Safety
+    /// The processor has the instruction set of the vector.
     unsafe fn nothing() -> Self::Total;
     /// Mask that is 255 in the lanes of the end of a row (the pixels after its last whole vector), else 0. `WHOLE` is 0
     /// if the row has no whole vector.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of the vector.
     unsafe fn end<const WHOLE: usize>(width: usize) -> Self;
     /// Loads the end of the row that begins at `row`. Lanes outside the mask [`Vector::end`] may hold anything.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of the vector. `width` bytes can be read at `row`: more than
+    /// [`Vector::LANES`] if `WHOLE` is not 0, else fewer.
     unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize) -> Self;
 
     fn or(a: Self, b: Self) -> Self;
@@ -97,6 +108,8 @@ pub(crate) trait Vector: Copy {
 
 /// Operations for the minimum and the maximum of neighbouring pixels.
 pub(crate) trait Neighbours: Vector {
+    /// # Safety
+    /// [`Vector::LANES`] bytes can be written at `to`.
     unsafe fn store(bytes: Self, to: *mut u8);
     fn min(a: Self, b: Self) -> Self;
     fn max(a: Self, b: Self) -> Self;
@@ -121,11 +134,14 @@ macro_rules! intrinsics {
         $(fn $name:ident $(<const $n:ident: $of:ty>)? ($($argument:ident: $type:ty),*) -> $to:ty { $value:expr })*
     ) => {
         $(
+            /// # Safety
+            /// The processor has the instruction set of the vector. A vector of bytes can be read at `from` and written
+            /// at `to`. `width` bytes can be read at `row`: more than a vector if `WHOLE` is not 0, else fewer.
             #[inline(always)]
             #[allow(unused_unsafe)] // some are plain expressions
             unsafe fn $new $(<const $m: $from>)? ($($given: $in),*) $(-> $out)? {
-                // SAFETY: the caller guarantees that the processor has the instructions and that a whole vector can be
-                // read or written at an address. No instruction needs alignment.
+                // SAFETY: the processor has the instructions, none of which needs alignment. A vector can be read or
+                // written at an address, and a row has its `width` bytes.
                 unsafe { $made }
             }
         )*
@@ -226,13 +242,13 @@ macro_rules! scores {
 
             #[inline(always)]
             fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-                // SAFETY: as above.
+                // SAFETY: a backend exists only if the machine has its instructions.
                 unsafe { ranges(rows, self.last.unwrap_or(0), low, high) }
             }
 
             #[inline(always)]
             fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, to: &mut RowsOfRanges<'_>) -> bool {
-                // SAFETY: as above.
+                // SAFETY: a backend exists only if the machine has its instructions.
                 unsafe { ranges_of_rows(pixels, step, self.last.unwrap_or(0), to) }
             }
 
@@ -242,7 +258,8 @@ macro_rules! scores {
                 if self.last.is_none() {
                     return Some(0).filter(|_| floor == 0);
                 }
-                // SAFETY: as above.
+                // SAFETY: the backend exists, so the machine has its instructions. `of_blocks` found a range for each
+                // pixel of the template, and both are borrowed.
                 unsafe { by_width!(rows.width, $vector, inside_at_least::<WHOLE, END>(&rows, floor)) }
             }
 
@@ -252,7 +269,8 @@ macro_rules! scores {
                     return wanted;
                 }
                 let (rows, last) = (Rows::of(patch, template), self.last.unwrap_or(0));
-                // SAFETY: as above; the patch has three more columns than the template.
+                // SAFETY: the backend exists, so the machine has its instructions. The pictures are borrowed, and
+                // `Scorer::candidates` has checked that the patch has three more columns than the template.
                 let candidates = unsafe { by_width!(rows.width, $vector, candidates::<WHOLE, END>(&rows, last, floor)) } & wanted;
                 self.candidates.note(candidates != wanted);
                 candidates
@@ -261,25 +279,31 @@ macro_rules! scores {
             #[inline(always)]
             fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
                 let rows = Rows::of(patch, template);
-                // SAFETY: as above.
+                // SAFETY: the backend exists, so the machine has its instructions, and the pictures are borrowed.
                 unsafe { by_width!(rows.width, $vector, distance::<WHOLE, END>(&rows, enough)) }
             }
         }
 
         impl $backend {
+            /// # Safety
+            /// The processor has the features. `rows.width` pixels can be read in each row of the patch and the
+            /// template.
             #[target_feature(enable = $features)]
             unsafe fn sum_by_width<const SEGMENTS: usize>(&self, rows: &Rows, floor: u32) -> Option<u32> {
-                // SAFETY: this is compiled for the instruction set; the caller borrows the pictures of the rows.
+                // SAFETY: the processor has the features, and each row its pixels; `by_width!` counts their vectors.
                 unsafe { by_width!(rows.width, $vector, self.sum_at_least::<SEGMENTS, WHOLE, END>(rows, floor)) }
             }
 
+            /// # Safety
+            /// The processor has the features. `rows.width` pixels can be read in each row of the patch and the
+            /// template. `WHOLE` and `END` are those of `by_width!` for `rows.width`.
             #[target_feature(enable = $features)]
             unsafe fn sum_at_least<const SEGMENTS: usize, const WHOLE: usize, const END: bool>(
                 &self,
                 rows: &Rows,
                 floor: u32,
             ) -> Option<u32> {
-                // SAFETY: as above.
+                // SAFETY: the processor has the features, and each row its pixels, in vectors as `WHOLE` and `END` say.
                 unsafe { generic::sum_at_least::<_, WHOLE, END>(&$planes::<SEGMENTS>::of(self), rows, floor) }
             }
         }
@@ -290,18 +314,22 @@ macro_rules! scores {
             fn distance(rows: &Rows, enough: u32) -> u32;
         }
 
+        /// # Safety
+        /// The processor has the features.
         #[target_feature(enable = $features)]
         unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
-            // SAFETY: this is compiled for the instruction set.
+            // SAFETY: the processor has the features, and with them the instruction sets of both vectors.
             unsafe {
                 generic::ranges_of_rows::<$vector>(pixels, step, last, to)
                     $(|| generic::ranges_of_rows::<$shorter>(pixels, step, last, to))?
             }
         }
 
+        /// # Safety
+        /// The processor has the features.
         #[target_feature(enable = $features)]
         unsafe fn ranges(rows: &[&[u8]; 4], last: u8, low: &mut [u8], high: &mut [u8]) {
-            // SAFETY: this is compiled for the instruction set.
+            // SAFETY: the processor has the features, and with them the instruction sets of both vectors.
             if !unsafe {
                 generic::spread::<$vector>(rows, low, high) $(|| generic::spread::<$shorter>(rows, low, high))?
             } {
@@ -315,9 +343,12 @@ macro_rules! scores {
 /// Compiles loops of this file with the features of an instruction set.
 macro_rules! compiled {
     ($features:literal, $vector:ty: $(fn $name:ident($rows:ident: &Rows $(, $argument:ident: $of:ty)*) -> $to:ty;)*) => {$(
+        /// # Safety
+        /// The processor has the features. `rows.width` pixels can be read in each row of the pictures, and for
+        /// `candidates` three more in each row of the patch. `WHOLE` and `END` are those of `by_width!` for the width.
         #[target_feature(enable = $features)]
         unsafe fn $name<const WHOLE: usize, const END: bool>($rows: &Rows $(, $argument: $of)*) -> $to {
-            // SAFETY: this is compiled for the instruction set; the caller borrows the pictures of the rows.
+            // SAFETY: the processor has the features, and each row its pixels, in vectors as `WHOLE` and `END` say.
             unsafe { generic::$name::<$vector, WHOLE, END>($rows $(, $argument)*) }
         }
     )*};
@@ -337,13 +368,17 @@ struct Sums<V: Vector> {
 }
 
 /// The score if it is at least `floor`, else `None`: see the pseudo-code at the top of this file.
+///
+/// # Safety
+/// The processor has the instruction set of the vector. `rows.width` pixels can be read in each row of the patch and
+/// the template. `WHOLE` and `END` are those of `by_width!` for `rows.width`.
 #[inline(always)]
 pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool>(
     table: &L,
     rows: &Rows,
     floor: u32,
 ) -> Option<u32> {
-    // SAFETY: y is below the height, and `end` is made for the width.
+    // SAFETY: the processor has the instruction set, and y is below the height, so the row has its `width` pixels.
     unsafe {
         let end = L::Vector::end::<WHOLE>(rows.width);
         // Two sets of totals, so that the additions of a row need not wait for those of the row before.
@@ -366,8 +401,11 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
     }
 }
 
+/// Adds the table entries of row `y`. `end` is the mask [`Vector::end`] of the row.
+///
 /// # Safety
-/// The row exists, and `end` was made for its width.
+/// `y` is below `rows.height`. `rows.width` pixels can be read in this row of the patch and the template.
+/// `WHOLE` and `END` are those of `by_width!` for `rows.width`.
 #[inline(always)]
 unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
     table: &L,
@@ -376,7 +414,7 @@ unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
     end: L::Vector,
     sums: &mut Sums<L::Vector>,
 ) {
-    // SAFETY: the row exists, and no vector ends beyond its width.
+    // SAFETY: `end` exists, so the processor has the instruction set. No vector ends beyond the `width` of the row.
     unsafe {
         let (f, g) = rows.row(y);
         let mut at = 0;
@@ -405,12 +443,16 @@ fn score<V: Vector>(even: &Sums<V>, odd: &Sums<V>) -> u32 {
 
 /// Upper bound of a score: 65535 for each pixel inside its range (as [`widen`] encodes it). `None` once too many pixels
 /// are outside to reach `floor`.
+///
+/// # Safety
+/// The processor has the instruction set of the vector. `rows.width` bytes can be read in each row of the patch, of its
+/// upper bound (`rows.high`) and of the template. `WHOLE` and `END` are those of `by_width!` for `rows.width`.
 #[inline(always)]
 pub(crate) unsafe fn inside_at_least<V: Vector, const WHOLE: usize, const END: bool>(
     rows: &Rows,
     floor: u32,
 ) -> Option<u32> {
-    // SAFETY: y is below the height, and `end` is made for the width.
+    // SAFETY: the processor has the instruction set, and y is below the height, so the row has its `width` pixels.
     unsafe {
         let end = V::end::<WHOLE>(rows.width);
         let pixels = rows.pixels_after(0);
@@ -436,8 +478,11 @@ pub(crate) unsafe fn inside_at_least<V: Vector, const WHOLE: usize, const END: b
     }
 }
 
+/// Counts the pixels of row `y` that are outside their ranges. `end` is the mask [`Vector::end`] of the row.
+///
 /// # Safety
-/// The row exists, and `end` was made for its width.
+/// `y` is below `rows.height`. `rows.width` bytes can be read in this row of the patch, of its upper bound
+/// (`rows.high`) and of the template. `WHOLE` and `END` are those of `by_width!` for `rows.width`.
 #[inline(always)]
 unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     rows: &Rows,
@@ -445,7 +490,7 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     end: V,
     count: &mut Count<V>,
 ) {
-    // SAFETY: the row exists, and no vector ends beyond its width.
+    // SAFETY: `end` exists, so the processor has the instruction set. No vector ends beyond the `width` of the row.
     unsafe {
         let ((low, g), span) = (rows.row(y), rows.high_row(y));
         let mut at = 0;
@@ -473,14 +518,15 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
 /// beyond the threshold at each offset. Each vector of the template is loaded and converted to ranges once.
 ///
 /// # Safety
-/// The patch has three more columns than the template.
+/// The processor has the instruction set of the vector. `rows.width` pixels can be read in each row of the template,
+/// and three more in each row of the patch. `WHOLE` and `END` are those of `by_width!` for `rows.width`.
 #[inline(always)]
 pub(crate) unsafe fn candidates<V: Neighbours, const WHOLE: usize, const END: bool>(
     rows: &Rows,
     last: u8,
     floor: u32,
 ) -> u8 {
-    // SAFETY: y is below the height, and `end` is made for the width.
+    // SAFETY: the processor has the instruction set, and y is below the height, so the row has its `width` pixels.
     unsafe {
         let (end, last) = (V::end::<WHOLE>(rows.width), V::splat(last));
         let Some(allowed) = rows.pixels_after(0).checked_sub(Rows::pixels_of(floor)) else { return 0 };
@@ -500,10 +546,12 @@ pub(crate) unsafe fn candidates<V: Neighbours, const WHOLE: usize, const END: bo
     }
 }
 
-/// Counts the pixels of row `y` that are beyond the threshold, at each of four offsets.
+/// Counts the pixels of row `y` that are beyond the threshold, at each of four offsets. `end` is the mask
+/// [`Vector::end`] of the row.
 ///
 /// # Safety
-/// As for [`candidates`]; the row exists, and `end` was made for its width.
+/// `y` is below `rows.height`. `rows.width` pixels can be read in this row of the template, and three more in that of
+/// the patch. `WHOLE` and `END` are those of `by_width!` for `rows.width`.
 #[inline(always)]
 unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
     rows: &Rows,
@@ -512,7 +560,8 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
     last: V,
     counts: &mut [Count<V>; 4],
 ) {
-    // SAFETY: the row exists. No vector ends beyond the width, or in the patch three columns further.
+    // SAFETY: `end` exists, so the processor has the instruction set. No vector ends beyond the `width` of the row, or
+    // in the patch three columns further.
     unsafe {
         let (f, g) = rows.row(y);
         let mut at = 0;
@@ -594,9 +643,14 @@ impl<V: Vector> Count<V> {
     }
 }
 
+/// The sum of absolute differences. Stops once it exceeds `enough`.
+///
+/// # Safety
+/// The processor has the instruction set of the vector. `rows.width` pixels can be read in each row of the patch and
+/// the template. `WHOLE` and `END` are those of `by_width!` for `rows.width`.
 #[inline(always)]
 pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32) -> u32 {
-    // SAFETY: y is below the height, no vector ends beyond the width, and `end` is made for it.
+    // SAFETY: the processor has the instruction set, and y is below the height, so the row has its `width` pixels.
     unsafe {
         let (end, mut sum) = (V::end::<WHOLE>(rows.width), V::nothing());
         let mut y = 0;
@@ -617,8 +671,11 @@ pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(ro
     }
 }
 
+/// Adds the absolute differences in row `y` to `sum`. `end` is the mask [`Vector::end`] of the row.
+///
 /// # Safety
-/// The row exists, and `end` was made for its width.
+/// `y` is below `rows.height`. `rows.width` pixels can be read in this row of the patch and the template.
+/// `WHOLE` and `END` are those of `by_width!` for `rows.width`.
 #[inline(always)]
 unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
     rows: &Rows,
@@ -626,7 +683,7 @@ unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
     end: V,
     mut sum: V::Total,
 ) -> V::Total {
-    // SAFETY: the row exists, and no vector ends beyond its width.
+    // SAFETY: `end` exists, so the processor has the instruction set. No vector ends beyond the `width` of the row.
     unsafe {
         let (f, g) = rows.row(y);
         let mut at = 0;
@@ -644,6 +701,9 @@ unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
 }
 
 /// Lowest and highest pixel of 4x4 blocks. Returns false, and does nothing, if there are fewer blocks than lanes.
+///
+/// # Safety
+/// The processor has the instruction set of the vector.
 #[inline(always)]
 pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) -> bool {
     let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
@@ -651,7 +711,7 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
     let rows = rows.each_ref().map(|row| row.as_ptr());
     let (low, high) = (low.as_mut_ptr(), high.as_mut_ptr());
     let mut at = 0;
-    // SAFETY: every row has `columns` bytes and three more, `low` and `high`
+    // SAFETY: the processor has the instruction set. Every row has `columns` bytes and three more, `low` and `high`
     // have `columns`; at + LANES is less than `columns`, last + LANES equals it.
     unsafe {
         while at < last {
@@ -705,6 +765,9 @@ pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
 /// Computes rows of pixel ranges, as [`widen`] encodes them. Returns false, and does nothing, if a row has fewer ranges
 /// than a vector has lanes, or if `to` is too small. Reads strips as wide as a vector, each from top to bottom. The
 /// minima and maxima of each pair of rows serve two ranges.
+///
+/// # Safety
+/// The processor has the instruction set of the vector.
 #[inline(always)]
 pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
     pixels: Image<'_>,
@@ -725,8 +788,8 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
         let (low, high) = (to.low.as_mut_ptr().wrapping_add(at), to.high.as_mut_ptr().wrapping_add(at));
         let mut row = pixels.as_ptr().wrapping_add(at);
         let mut place = 0;
-        // SAFETY: every row has `columns` pixels and three more, at + LANES is at most `columns`. The last store ends
-        // with the ranges of row `rows` - 1 of `to`, whose `needed` bytes exist.
+        // SAFETY: the processor has the instruction set. Every row has `columns` pixels and three more, at + LANES is
+        // at most `columns`. The last store ends with the ranges of row `rows` - 1 of `to`, whose `needed` bytes exist.
         unsafe {
             let last = V::splat(last);
             let (mut before, mut pairs) = (fours::<V>(row), [(V::splat(0), V::splat(0)); 2]);
@@ -756,21 +819,21 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
 /// For each pixel of a vector, the minimum and the maximum of that pixel and the next three.
 ///
 /// # Safety
-/// A vector and three more pixels can be read at `row`.
+/// The processor has the instruction set of the vector. A vector and three more pixels can be read at `row`.
 #[inline(always)]
 unsafe fn fours<V: Neighbours>(row: *const u8) -> (V, V) {
-    // SAFETY: no load ends beyond the three pixels after the vector.
+    // SAFETY: the processor has the instruction set. No load ends beyond the three pixels after the vector.
     unsafe { column_ranges(&[row, row.wrapping_add(1), row.wrapping_add(2), row.wrapping_add(3)], 0) }
 }
 
 /// The lowest and the highest pixel of four rows in each column from `at` on.
 ///
 /// # Safety
-/// A vector can be read in each row from `at` on.
+/// The processor has the instruction set of the vector. A vector can be read in each of the rows, from `at` on.
 #[inline(always)]
 unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, V) {
     let [a, b, c, d] = *rows;
-    // SAFETY: the vector lies in each of the rows.
+    // SAFETY: the processor has the instruction set, and each of the rows has a vector from `at` on.
     let ([a, b], [c, d]) = unsafe {
         let load = [V::load(a.wrapping_add(at)), V::load(b.wrapping_add(at))];
         (load, [V::load(c.wrapping_add(at)), V::load(d.wrapping_add(at))])
@@ -782,20 +845,25 @@ unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, 
 const MOST_LANES: usize = 32;
 
 /// Mask (255) of the last `width % LANES` lanes, into which [`last`] loads the end of a row.
+///
+/// # Safety
+/// The processor has the instruction set of the vector.
 #[inline(always)]
 pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
     const BYTES: [[u8; MOST_LANES]; 2] = [[0; MOST_LANES], [u8::MAX; MOST_LANES]];
-    // SAFETY: the vector ends in the second half of the bytes.
+    // SAFETY: the processor has the instruction set. The vector ends in the second half of the bytes.
     unsafe { V::load(BYTES.as_flattened().as_ptr().wrapping_add(MOST_LANES - V::LANES + width % V::LANES)) }
 }
 
 /// Loads the end of a row into the last lanes. Earlier lanes hold earlier pixels of the row, or zeroes if `WHOLE` is 0.
 ///
 /// # Safety
-/// `width` bytes can be read at `row`: more than LANES if `WHOLE` is not 0, else fewer.
+/// The processor has the instruction set of the vector. `width` bytes can be read at `row`: more than LANES if `WHOLE`
+/// is not 0, else fewer.
 #[inline(always)]
 pub(crate) unsafe fn last<V: Vector, const WHOLE: usize>(row: *const u8, width: usize) -> V {
-    // SAFETY: the row is longer than the vector that ends with it; the copy of a shorter one ends with its vector.
+    // SAFETY: the processor has the instruction set. The row is longer than the vector that ends with it; the copy of a
+    // shorter row ends with its vector.
     unsafe {
         if WHOLE > 0 {
             return V::load(row.wrapping_add(width).wrapping_sub(V::LANES));

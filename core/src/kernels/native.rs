@@ -42,8 +42,8 @@ impl<const N: usize> Interpolation<N> {
     #[inline(always)]
     pub(crate) fn mix(&self, row: &MixedRow, out: &mut [u8]) {
         let Self { from, parts } = self;
-        // SAFETY: `push` keeps each place below LEFT_SAMPLES.
         #[allow(unused_unsafe)] // the plain loop is safe
+        // SAFETY: `push` appends even offsets, below twice `LEFT_SAMPLES`.
         unsafe {
             native::levels::mix(from, parts, row, out);
         }

@@ -65,6 +65,8 @@ struct Planes<const SEGMENTS: usize> {
 }
 
 impl<const SEGMENTS: usize> Planes<SEGMENTS> {
+    /// # Safety
+    /// The processor has NEON.
     #[inline]
     #[target_feature(enable = "neon")]
     fn of(lookup: &Lookup) -> Self {
@@ -73,7 +75,7 @@ impl<const SEGMENTS: usize> Planes<SEGMENTS> {
         let mut planes = Self { low: nothing, high: nothing };
         for (registers, segments) in [(&mut planes.low, &lookup.low), (&mut planes.high, &lookup.high)] {
             for (register, segment) in registers.iter_mut().zip(segments).take(SEGMENTS) {
-                // SAFETY: 64 bytes can be read at `segment`.
+                // SAFETY: a segment has 64 bytes.
                 *register = unsafe { vld1q_u8_x4(segment.as_ptr()) };
             }
         }

@@ -69,8 +69,8 @@ impl Products {
         out: &mut [[i32; N]],
     ) {
         debug_assert!(layout.span <= N);
-        // SAFETY: `new` has checked that the machine has the instruction set.
         #[allow(unused_unsafe)] // most sets need no check
+        // SAFETY: `new` has checked that the machine has the instruction set.
         unsafe {
             by_backend!(self.0, set => set::products::responses(pieces, room, spare, cells, layout, weights, out));
         }
@@ -91,8 +91,8 @@ impl Products {
         sums: &mut [i32],
     ) {
         debug_assert!(layout.span <= N);
-        // SAFETY: `new` has checked that the machine has the instruction set.
         #[allow(unused_unsafe)]
+        // SAFETY: `new` has checked that the machine has the instruction set.
         unsafe {
             by_backend!(self.0, set => set::products::gather(pieces, room, spare, cells, layout, errors, sums));
         }
@@ -119,8 +119,8 @@ impl Dense {
     /// `patches`, and its outputs follow each other in `out`. `spare` is scratch memory of [`SPARE`] bytes.
     #[inline(never)]
     pub(crate) fn outputs(self, layer: plain::Layer<'_>, patches: &[i8], spare: &mut [i8], out: &mut [i8]) {
-        // SAFETY: `new` has checked that the machine has the instruction set.
         #[allow(unused_unsafe)] // most sets need no check
+        // SAFETY: `new` has checked that the machine has the instruction set.
         unsafe {
             by_backend!(self.0, set => set::dense::outputs(layer, patches, spare, out));
         }

@@ -58,8 +58,8 @@ impl<'a> Scorer<'a> {
     #[inline(always)] // built in place: some are too large to be moved on a small stack
     pub fn new(backend: Backend, table: &'a CutTable) -> Self {
         let plain = Plain { table };
-        // SAFETY: a lookup by vectors is made only where the machine has their instructions.
         #[allow(unused_unsafe)] // not every target has such vectors
+        // SAFETY: a lookup by vectors is made only where the machine has their instructions.
         let ready = unsafe {
             match backend {
                 #[cfg(target_arch = "x86_64")]

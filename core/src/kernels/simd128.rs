@@ -90,6 +90,8 @@ struct Planes<'a, const SEGMENTS: usize> {
 }
 
 impl<'a, const SEGMENTS: usize> Planes<'a, SEGMENTS> {
+    /// # Safety
+    /// The machine has SIMD128.
     #[inline]
     #[target_feature(enable = "simd128")]
     unsafe fn of(lookup: &'a Lookup) -> Self {
@@ -102,7 +104,7 @@ impl<'a, const SEGMENTS: usize> Planes<'a, SEGMENTS> {
 
 #[inline(always)]
 fn segment(entries: &[u8; SEGMENT]) -> v128 {
-    // SAFETY: 16 bytes can be read.
+    // SAFETY: the segment has 16 bytes, and a load needs no alignment.
     unsafe { v128_load(entries.as_ptr().cast()) }
 }
 

@@ -13,21 +13,35 @@ use crate::kernels::rows::Rows;
 use crate::kernels::scores::{Blocks, Effort, Scores};
 use core::marker::PhantomData;
 
-/// Loops of an instruction set over the pixels of two pictures with at least `NARROWEST` columns.
+/// Loops of an instruction set over the pixels of two pictures with at least `NARROWEST` columns and one row.
 pub(crate) trait Loops {
     /// Minimum width of a picture in columns. If it is more than one, the loops fill up the last words of both rows
     /// with zeroes. These pixels have difference 0 and count as [`ONE`] each, so the first table entry must be [`ONE`].
     const NARROWEST: usize;
     /// Maps (rows, 256 table entries, floor) to the score if it is at least `floor`, else to any number below `floor`.
+    ///
+    /// # Safety
+    /// `width` pixels, at least `NARROWEST`, can be read in each row of patch and template, and 256 entries in the
+    /// table.
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32;
     /// Maps (rows, enough) to the sum of absolute differences. The loop may stop once the sum exceeds `enough`.
+    ///
+    /// # Safety
+    /// `width` pixels, at least `NARROWEST`, can be read in each row of patch and template.
     const DISTANCE: unsafe fn(&Rows, u32) -> u32;
     /// Maps (rows, allowed) to the number of template pixels outside their ranges. May stop once it exceeds `allowed`.
     /// `Rows::patch` holds the lower ends of the ranges, `Rows::high` the lengths, with the same stride.
+    ///
+    /// # Safety
+    /// `width` bytes, at least `NARROWEST`, can be read in each row of lower ends, of lengths (with
+    /// `Rows::patch_stride`) and of the template.
     const OUTSIDE_RANGES: unsafe fn(&Rows, u32) -> u32;
     /// Maps (rows, constants, needed, wanted) to the points (`points.rs`) of four offsets minus `needed`. A result is
-    /// negative only if its offset has fewer points than `needed`, or a 0 bit in `wanted`. The patch has three more
-    /// columns than the template.
+    /// negative only if its offset has fewer points than `needed`, or a 0 bit in `wanted`.
+    ///
+    /// # Safety
+    /// `width` pixels, at least `NARROWEST`, can be read in each row of the template, and three more in each row of the
+    /// patch.
     const POINT_MARGINS: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS];
     /// Takes (rows, margin, low, lengths). Computes the lower ends and the lengths of the pixel ranges of 4x4 blocks,
     /// widened by `margin` on both sides. Does nothing if there are fewer blocks than `NARROWEST`.
@@ -60,7 +74,7 @@ impl<L: Loops> Scores for Kernels<'_, L> {
         if !Self::can_take(pair.width) || L::NARROWEST > 1 && table.threshold() == 0 {
             return self.plain.score_at_least(patch, template, floor);
         }
-        // SAFETY: there are enough columns.
+        // SAFETY: both pictures are borrowed and have at least `NARROWEST` columns; a table has 256 entries.
         let reachable = unsafe { (L::REACHABLE)(&pair, table.entries().as_ptr(), floor) };
         Some(reachable).filter(|&score| score >= floor)
     }
@@ -72,7 +86,8 @@ impl<L: Loops> Scores for Kernels<'_, L> {
         if needed == 0 || !Self::can_take(rows.width) || !self.points.is_worth_it() {
             return wanted;
         }
-        // SAFETY: there are enough columns. The patch has three more than the template.
+        // SAFETY: both pictures are borrowed and have at least `NARROWEST` columns. `Scorer::candidates` has checked
+        // that the patch has three more columns than the template.
         let margins = unsafe { (L::POINT_MARGINS)(&rows, points, needed, wanted) };
         let candidates = margins.iter().rev().fold(0, |mask, margin| mask << 1 | u8::from(*margin >= 0));
         self.points.note(candidates != wanted);
@@ -85,7 +100,7 @@ impl<L: Loops> Scores for Kernels<'_, L> {
         if !Self::can_take(pair.width) {
             return narrow_distance(patch, template, enough);
         }
-        // SAFETY: there are enough columns.
+        // SAFETY: both pictures are borrowed and have at least `NARROWEST` columns.
         unsafe { (L::DISTANCE)(&pair, enough) }
     }
 
@@ -105,7 +120,8 @@ impl<L: Loops> Scores for Kernels<'_, L> {
         if !some_count || !Self::can_take(rows.width) {
             return Some(full);
         }
-        // SAFETY: there are enough columns, and both halves of the ranges have the same stride.
+        // SAFETY: the template has at least `NARROWEST` columns. `of_blocks` found a range for each of its pixels, and
+        // gave both halves of the ranges the same stride.
         let misses = unsafe { (L::OUTSIDE_RANGES)(&rows, allowed) };
         (misses <= allowed).then(|| full.wrapping_sub(misses.wrapping_mul(u32::from(ONE))))
     }

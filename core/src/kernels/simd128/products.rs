@@ -49,7 +49,7 @@ pub(crate) fn responses<const N: usize>(
             *group = unsafe { responses_at(at(number * AT_ONCE), layout, weights) };
         }
         for (response, x) in rest.iter_mut().zip(groups.len() * AT_ONCE..) {
-            // SAFETY: as above.
+            // SAFETY: y and x are below the span, where all cells exist (`checked_height`).
             [*response] = unsafe { responses_at(at(x), layout, weights) };
         }
     }
@@ -58,7 +58,9 @@ pub(crate) fn responses<const N: usize>(
 /// Filter responses at `COUNT` neighbouring offsets. `first` is the top left cell under the filter at the first offset.
 ///
 /// # Safety
-/// At each offset, all cells under the filter can be read, and its rows have at least a vector each.
+/// `weights` has whole rows of `layout.row` weights, at least a vector each. For each of these rows, `layout.row` bytes
+/// can be read at each of the `COUNT` offsets, `layout.stride` after those of the row before. Offsets are `layout.step`
+/// bytes apart, and begin at `first`.
 #[inline(always)]
 unsafe fn responses_at<const COUNT: usize>(first: *const i8, layout: Layout, weights: &[i16]) -> [i32; COUNT] {
     let Layout { row, stride, step, .. } = layout;
@@ -66,7 +68,7 @@ unsafe fn responses_at<const COUNT: usize>(first: *const i8, layout: Layout, wei
     for (down, weights) in weights.chunks_exact(row).enumerate() {
         let first = first.wrapping_add(down * stride);
         for (at, mask) in vectors(row) {
-            // SAFETY: no vector ends beyond the row, and the filter lies on the cells at each offset.
+            // SAFETY: no vector ends beyond the `row` weights, or beyond the `row` cells under them at each offset.
             unsafe {
                 let weights = v128_and(v128_load(weights.as_ptr().wrapping_add(at).cast()), mask);
                 for (x, sum) in sums.iter_mut().enumerate() {
@@ -114,7 +116,8 @@ pub(crate) fn gather<const N: usize>(
 /// `first` is the cell that the first error is multiplied by for the first sum.
 ///
 /// # Safety
-/// Eight cells can be read at each offset, and eight sums written.
+/// Eight bytes can be read at `first` and at every `step` bytes after it, once for each error. Eight numbers can be
+/// read and written at `sums`.
 #[inline(always)]
 unsafe fn gather_at(first: *const i8, step: usize, mask: v128, errors: &[i16], sums: *mut i32) {
     // SAFETY: both halves lie in the eight sums, and eight cells are loaded at each offset.

@@ -88,7 +88,8 @@ impl Rows for Differences<'_> {
         let Self { cells, stride, mut numbers, width, .. } = *self;
         for channel in 0..STEP {
             let of = |row: usize| cells.wrapping_add(row * stride + channel);
-            // SAFETY: the cells have these rows, and there is room for as many numbers.
+            // SAFETY: `checked_height` found `width` cells in these rows, and `numbers` has room for `width` per
+            // channel.
             unsafe { subtract(numbers, width, of(first), second.map(of)) };
             numbers = numbers.wrapping_add(width);
         }
@@ -99,7 +100,7 @@ impl Rows for Differences<'_> {
         let Self { numbers, width, factors, totals, across, .. } = *self;
         let slide =
             Slide { factors: factors.wrapping_add(number * STEP * across), count: across, numbers, width, rows: STEP };
-        // SAFETY: there is a row of factors, and at every offset it lies on the row of numbers.
+        // SAFETY: there are `STEP` rows of `across` factors from here on, and at every offset they lie on the numbers.
         unsafe { slide.add(totals.get(number).copied().unwrap_or(0), sums) };
     }
 }
@@ -107,7 +108,8 @@ impl Rows for Differences<'_> {
 /// Writes one channel of `width` cells: `first`, minus `second` if there is one, plus [`NUMBER_BIAS`].
 ///
 /// # Safety
-/// A byte of each of these cells can be read, and as many numbers written.
+/// At `first` and at `second`, a byte can be read in each of `width` cells, `STEP` bytes apart. `width` numbers can be
+/// written at `to`, which is aligned.
 #[inline(never)]
 unsafe fn subtract(mut to: *mut i16, width: usize, mut first: *const i8, second: Option<*const i8>) {
     // Two loops, because one for both cases would need too many registers.
@@ -119,7 +121,7 @@ unsafe fn subtract(mut to: *mut i16, width: usize, mut first: *const i8, second:
         }
     } else {
         for _ in rolled(0..width) {
-            // SAFETY: as above.
+            // SAFETY: a round for each of the `width` cells and numbers.
             unsafe { *to = low(i32::from(*first) + NUMBER_BIAS) };
             (to, first) = (to.wrapping_add(1), first.wrapping_add(STEP));
         }
@@ -184,7 +186,8 @@ pub(crate) fn gather<const N: usize>(
                 // Below the last row of cells the numbers are 0: a row minus itself.
                 let all = cells.as_ptr();
                 let (first, second) = first.map_or((all, Some(all)), |first| (first, second));
-                // SAFETY: the cells have these rows, and there is room for so many rows of numbers.
+                // SAFETY: `checked_height` found `width` cells in these rows, and `has_room` room for `rows(sum_of)`
+                // rows.
                 unsafe { subtract(numbers.wrapping_add(at * width), width, first, second) };
             }
             let (now, later) = factors.split_at_checked(pairs.rows_of(sum_of) * span).unwrap_or_default();
@@ -193,7 +196,8 @@ pub(crate) fn gather<const N: usize>(
                 let numbers = numbers.wrapping_add(at * width);
                 let slide = Slide { factors: now.as_ptr(), count: span, numbers, width, rows: pairs.rows_of(sum_of) };
                 rolled(of_row.iter_mut()).for_each(|sum| *sum = 0);
-                // SAFETY: the rows of errors lie on as many rows of numbers.
+                // SAFETY: each row has `span` factors, and `width` numbers under them at all `across` offsets. No size
+                // is 0.
                 unsafe { slide.add(total, of_row) };
                 // Partial sum `both` belongs to two rows of the filter, `upper` and `lower` to one each.
                 let first = 2 * at + sum_of / 2;
@@ -216,7 +220,9 @@ impl Slide<i16> {
     /// `NUMBER_BIAS`. `total` is the sum of the factors of all rows.
     ///
     /// # Safety
-    /// `count` factors and `count + sums.len() - 1` numbers of each row can be read. Neither `count` nor `rows` is 0.
+    /// `rows` rows of `count` factors can be read at `factors`, one after the other. Of as many rows at `numbers`,
+    /// `width` apart, `count + sums.len() - 1` numbers can be read. `width` is at least `count`. `count` and `rows` are
+    /// not 0.
     #[inline(never)]
     unsafe fn add(mut self, total: i32, sums: &mut [i32]) {
         if NUMBER_BIAS != 0 {
@@ -246,7 +252,9 @@ macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
         impl Slide<i16> {
             /// # Safety
-            /// As [`Slide::add`], for n sums.
+            /// `rows` rows of `count` factors can be read at `factors`, one after the other. Of as many rows at
+            /// `numbers`, `width` apart, `count + n - 1` numbers can be read. `width` is at least `count`. Neither `count`
+            /// nor `rows` is zero. n sums can be read and written at `sums`. All addresses are aligned.
             #[inline(never)]
             unsafe fn $name(&self, sums: *mut i32) -> usize {
                 let Self { factors, count, numbers, width, rows } = *self;
@@ -304,7 +312,9 @@ macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
         impl Slide<i16> {
             /// # Safety
-            /// As [`Slide::add`], for n sums.
+            /// `rows` rows of `count` factors can be read at `factors`, one after the other. Of as many rows at
+            /// `numbers`, `width` apart, `count + n - 1` numbers can be read. `width` is at least `count`. n sums can
+            /// be read and written at `to`. All addresses are aligned.
             #[inline(never)]
             unsafe fn $name(&self, to: *mut i32) -> usize {
                 let Self { mut factors, count, mut numbers, width, rows } = *self;

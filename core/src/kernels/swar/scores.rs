@@ -132,7 +132,7 @@ impl Scores for Swar<'_> {
 /// `width` pixels can be read at `f` and at `g`.
 #[inline(never)]
 unsafe fn row_score(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> u32 {
-    // SAFETY: `row_sum` reads what this may read.
+    // SAFETY: `width` pixels can be read at `f` and at `g`, and `row_sum` reads no others.
     unsafe { row_sum(f, g, width, |f, g| table.of_pixels(f, g).into()) }
 }
 
@@ -144,7 +144,7 @@ const OFFSETS: usize = 4;
 /// once for all template pixels that the frame pixel is compared with.
 ///
 /// # Safety
-/// `width` pixels can be read at `g`, and three more at `f`.
+/// `width` pixels can be read at `g`, and `width + 3` at `f`.
 #[cfg(target_arch = "riscv32")]
 #[inline(never)]
 unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
@@ -188,7 +188,7 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
 /// The scores of a row at four neighbouring offsets, for Armv6-M. Sums are in high registers: only `add` works there.
 ///
 /// # Safety
-/// `width` pixels can be read at `g`, and three more at `f`.
+/// `width` pixels can be read at `g`, and `width + 3` at `f`.
 #[cfg(target_arch = "arm")]
 #[inline(never)]
 unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
@@ -264,15 +264,15 @@ unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutT
 }
 
 /// # Safety
-/// As for [`row_score`].
+/// `width` pixels can be read at `f` and at `g`.
 #[inline(never)]
 unsafe fn row_distance(f: *const u8, g: *const u8, width: usize) -> u32 {
-    // SAFETY: `row_sum` reads what this may read.
+    // SAFETY: `width` pixels can be read at `f` and at `g`, and `row_sum` reads no others.
     unsafe { row_sum(f, g, width, |f, g| f.abs_diff(g).into()) }
 }
 
 /// # Safety
-/// As for [`row_score`].
+/// `width` pixels can be read at `f` and at `g`.
 #[inline(always)]
 unsafe fn row_sum(mut f: *const u8, mut g: *const u8, width: usize, of: impl Fn(u8, u8) -> u32) -> u32 {
     let mut sum = 0;
@@ -479,7 +479,8 @@ impl Row {
     /// `g`.
     ///
     /// # Safety
-    /// The words of the row can be read at `g`, with `SHIFTED` one more.
+    /// `count` words, at least one, can be read at `low`, `high` and `g`, which are aligned; with `SHIFTED` one more at
+    /// `g`, and `shift` is 8, 16 or 24.
     #[allow(clippy::modulo_one)] // where a round is one word
     #[inline(never)]
     unsafe fn outside<const SHIFTED: bool>(&self, mut g: *const u32, shift: u32) -> u32 {

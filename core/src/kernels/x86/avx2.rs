@@ -75,7 +75,7 @@ impl Shuffle for __m256i {
 /// The processor has AVX2.
 #[inline(always)]
 unsafe fn halves(row: &[u8]) -> __m256i {
-    // SAFETY: the caller guarantees AVX2; 16 bytes are loaded only if the row has them.
+    // SAFETY: the processor has AVX2; 16 bytes are loaded only if the row has them.
     unsafe {
         match (row.first_chunk::<16>(), row.last_chunk::<16>()) {
             (Some(first), Some(last)) => _mm256_set_m128i(__m128i::load(last.as_ptr()), __m128i::load(first.as_ptr())),
@@ -91,6 +91,8 @@ pub(crate) mod products {
 
     pub(crate) use plain::{GATHER_PIECES, TAKES_ROWS_OF_CELLS};
 
+    /// # Safety
+    /// The processor has AVX2.
     #[target_feature(enable = "avx2")]
     pub(crate) fn responses<const N: usize>(
         pieces: Range<usize>,
@@ -104,6 +106,8 @@ pub(crate) mod products {
         plain::responses_inline(pieces, cells, layout, weights, out);
     }
 
+    /// # Safety
+    /// The processor has AVX2.
     #[target_feature(enable = "avx2")]
     pub(crate) fn gather<const N: usize>(
         pieces: Range<usize>,
@@ -122,6 +126,8 @@ pub(crate) mod products {
 pub(crate) mod dense {
     use crate::kernels::plain::dense as plain;
 
+    /// # Safety
+    /// The processor has AVX2.
     #[target_feature(enable = "avx2")]
     pub(crate) fn outputs(layer: plain::Layer<'_>, patches: &[i8], _: &mut [i8], out: &mut [i8]) {
         plain::outputs_inline(layer, patches, out);

@@ -13,8 +13,14 @@ use core::arch::x86_64::*;
 /// A vector register that shuffles bytes within each of its 16-byte parts.
 pub(super) trait Shuffle: Neighbours {
     /// Loads the same 16 bytes into each part.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of the vector.
     unsafe fn segment(entries: &[u8; SEGMENT]) -> Self;
     /// Looks up each index in the 16 `entries` of the same 16-byte part; zero if the index has its top bit set.
+    ///
+    /// # Safety
+    /// The processor has a byte shuffle: SSSE3 for 16 bytes, AVX2 for 32.
     unsafe fn shuffle(entries: Self, index: Self) -> Self;
     /// Signed saturating subtraction: max(a - b, -128).
     fn lowered(a: Self, b: Self) -> Self;
@@ -35,7 +41,7 @@ impl<V> Lookup<V> {
     /// # Safety
     /// The processor has the instruction set of `V`.
     pub(crate) unsafe fn shuffled(table: &CutTable) -> Self {
-        // SAFETY: the caller guarantees the same.
+        // SAFETY: the processor has the instruction set of `V`.
         let mut lookup = unsafe { Self::new(table) };
         if lookup.segments > 1 {
             xor_within_halves(&mut lookup.low);
@@ -68,7 +74,7 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
     /// The processor has the instruction set of `V`.
     #[inline(always)]
     pub(super) unsafe fn of(lookup: &Lookup<V>) -> Self {
-        // SAFETY: the caller guarantees the processor; a segment is 16 bytes.
+        // SAFETY: the processor has the instruction set of `V`.
         unsafe {
             let mut planes = Self { low: [V::splat(0); 16], high: [V::splat(0); 16] };
             for (registers, segments) in [(&mut planes.low, &lookup.low), (&mut planes.high, &lookup.high)] {
@@ -86,7 +92,7 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
     fn look_up_half<const COUNT: usize>(&self, first: usize, difference: V) -> (V, V) {
         // Added to each difference: the last of `COUNT` segments then ends at 127; larger differences get the top bit.
         let up = SEGMENT * (SEGMENTS_A_HALF - COUNT);
-        // SAFETY: `self` exists, so the processor has the instruction set.
+        // SAFETY: `of` has made `self`, so the processor has the instruction set of `V`, with its byte shuffle.
         unsafe {
             let moved = V::raised(difference, V::splat(up as u8));
             let mut planes = (V::shuffle(self.low[first], moved), V::shuffle(self.high[first], moved));

@@ -63,8 +63,11 @@ macro_rules! points_of_word {
     };
 }
 
+/// Implements `Loops::POINT_MARGINS`.
+///
 /// # Safety
-/// The template has at least four columns, the patch as many and three more.
+/// `pair.width` pixels, at least four, can be read in each of the `pair.height` rows (at least one) of the template,
+/// and three more in each row of the patch.
 #[inline(never)]
 pub(super) unsafe fn point_margins(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
     // Here `skipped_bits` is a mask: 255 in those bytes of the last word that the whole words already cover.
@@ -152,8 +155,11 @@ macro_rules! outside_word {
     };
 }
 
+/// Implements `Loops::OUTSIDE_RANGES`.
+///
 /// # Safety
-/// The pictures have at least four columns. Patch and upper bound have the same stride.
+/// `pair.width` bytes, at least four, can be read in each of the `pair.height` rows (at least one) at `pair.patch` and
+/// at `pair.high`, both `pair.patch_stride` apart, and of the template.
 #[inline(never)]
 pub(super) unsafe fn outside_ranges(pair: &Rows, allowed: u32) -> u32 {
     let mut memory = Memory { row: Row::of(pair), words: words(pair), own: entry_offset(pair, CODE_OF_A_WORD) };

@@ -29,7 +29,8 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
         let last = to.wrapping_add(count - OUTPUTS);
         let mut run = RemainingOutputs { biases: biases.as_ptr(), from, apart: 0, out: to, shift, last };
         if left > 1 && inputs <= 4 * room.len() {
-            // SAFETY: there are two patches of `inputs` bytes, and the room is for them.
+            // SAFETY: two patches of `inputs` bytes are left, a multiple of 4. `room` has at least `inputs` aligned
+            // words.
             unsafe { unpack(from, inputs, room.as_mut_ptr().cast()) };
             (run.from, run.apart) = (room.as_ptr().cast(), count);
         }
@@ -46,7 +47,8 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
 /// Unpacks two successive patches of `inputs` bytes to 16-bit numbers, four inputs of each in turn.
 ///
 /// # Safety
-/// `2 * inputs` bytes can be read and `inputs` words written. `inputs` is a multiple of 4 and not 0. `room` is aligned.
+/// `2 * inputs` bytes can be read at `patches`, and `inputs` words written at `room`, which is aligned. `inputs` is a
+/// multiple of 4 and not 0.
 #[inline(always)]
 unsafe fn unpack(patches: *const i8, inputs: usize, room: *mut u32) {
     // SAFETY: each round reads four bytes of both patches and writes four words, until `inputs` words are written.

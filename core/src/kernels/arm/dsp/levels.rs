@@ -83,7 +83,7 @@ macro_rules! columns {
 /// signed numbers, so `row` stores 256 * level - 2^15.
 ///
 /// # Safety
-/// Each number in `from` is less than twice [`LEFT_SAMPLES`](crate::kernels::plain::levels::LEFT_SAMPLES).
+/// Each number in `from` is even, and less than twice [`LEFT_SAMPLES`](crate::kernels::plain::levels::LEFT_SAMPLES).
 #[inline(always)]
 pub(crate) unsafe fn mix(from: &[u16], parts: &[SampleWeights], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());

@@ -47,7 +47,8 @@ pub(crate) fn responses<const N: usize>(
             let (first, second) = pairs.factors(number);
             let [first, second] =
                 [first, second.unwrap_or(first)].map(|number| weights.as_ptr().wrapping_add(number * row));
-            // SAFETY: the filter has these rows, and `spare` has room for a row of factors.
+            // SAFETY: the filter has these rows of `row` weights, and `spare` has `of_row` words for each row of
+            // factors.
             unsafe { weights_by_channels(spare.as_mut_ptr().wrapping_add(number * of_row), row / STEP, first, second) };
         }
     }
@@ -72,7 +73,7 @@ impl Rows for Unpacked {
     #[inline(always)]
     fn take(&mut self, first: usize, second: Option<usize>) {
         let of = |row: usize| self.cells.wrapping_add(row * self.stride);
-        // SAFETY: the cells have these rows, and there is room for five words for each cell.
+        // SAFETY: `checked_height` found `width` cells in these rows, and `unpacked` has five words for each.
         unsafe { cells_by_channels(self.unpacked, self.width, of(first), second.map(of)) };
     }
 
@@ -80,7 +81,8 @@ impl Rows for Unpacked {
     fn add(&mut self, number: usize, sums: &mut [i32]) {
         let Self { unpacked, width, of_row, .. } = *self;
         let factors = self.factors.wrapping_add(number * of_row);
-        // SAFETY: at each offset five rows of factors lie on five rows of numbers.
+        // SAFETY: five rows of at least `LEAST` factors begin here. At each offset they lie on five rows of `width`
+        // numbers.
         unsafe { Slide { factors, count: of_row / PAIRS, numbers: unpacked, width, rows: PAIRS }.add(sums) };
     }
 }
@@ -89,7 +91,8 @@ impl Rows for Unpacked {
 /// pair for all cells before the next pair: the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and 9.
 ///
 /// # Safety
-/// `width` cells of ten bytes can be read from `first` and `second`, and five words for each written. `width` is not 0.
+/// `width` cells of ten bytes can be read at `first` and at `second`, and five words for each written at `to`. `width`
+/// is not 0.
 #[inline(never)]
 unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second: Option<*const i8>) {
     static ZEROES: [i8; STEP] = [0; STEP];
@@ -146,11 +149,12 @@ unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second
 /// Unpacks a row of weights to pairs of channels: the row `first`, plus the row `second` unless both are the same.
 ///
 /// # Safety
-/// `width` cells of ten weights can be read from `first` and `second`, and five words for each written. `width` is not
-/// 0.
+/// `width` cells of ten weights can be read at `first` and at `second`, and five words for each written at `to`.
+/// `width` is not 0.
 #[inline(never)]
 unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, second: *const i16) {
-    // SAFETY: a round takes ten weights and writes five words, for each of the `width` cells. Words need not be aligned.
+    // SAFETY: a round takes ten weights and writes five words, for each of the `width` cells. Words need not be
+    // aligned.
     unsafe {
         asm!(
             "2:",
@@ -196,7 +200,8 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
 /// `first`, and subtracts the rows `second` unless `whole`.
 ///
 /// # Safety
-/// A byte of `width` cells can be read from each row, and as many words written. `width` is not 0.
+/// At each address in `first`, and unless `whole` in `second`, a byte can be read in each of `width` cells, ten bytes
+/// apart. `width` words can be written at `to`. `width` is not 0.
 #[inline(always)]
 unsafe fn pairs_of_rows(to: *mut i32, width: usize, first: [*const i8; 2], second: [*const i8; 2], whole: bool) {
     // SAFETY: a round takes two or four bytes and writes a word, for each of the `width` cells.
@@ -269,7 +274,8 @@ pub(crate) fn gather<const N: usize>(
                 };
                 let (mut even, mut odd) = (half(y / 2, 0), half(y / 2 + 1, odd_rows));
                 for error in rolled(errors.iter().take(span)) {
-                    // SAFETY: there is room for the rows of factors at even and at odd offsets.
+                    // SAFETY: `factors` has `rows_of(0)` + 1 rows of `span` pairs; at most so many are at even and odd
+                    // offsets.
                     unsafe { (*even, *odd) = (*even + error, *odd + error) };
                     (even, odd) = (even.wrapping_add(2), odd.wrapping_add(2));
                 }
@@ -281,14 +287,16 @@ pub(crate) fn gather<const N: usize>(
         for number in 0..(rows + offsets) / 2 {
             let of = |row| channel_of(4 * number + row);
             let (first, second) = ([of(sum_of), of(sum_of + 2)], [of(1), of(3)]);
-            // SAFETY: the cells have these rows, and there is room for so many rows of numbers.
+            // SAFETY: `checked_height` found `width` cells in these rows, and `has_room` room for so many rows of
+            // numbers.
             unsafe { pairs_of_rows(numbers.wrapping_add(number * width), width, first, second, sum_of == BOTH) };
         }
         for at in 0..offsets {
             let factors = factors.as_ptr().wrapping_add(at % 2 * odd_rows * span);
             let numbers = numbers.wrapping_add(at / 2 * width);
             of_row.fill(0);
-            // SAFETY: the rows of factors lie on as many rows of numbers.
+            // SAFETY: each row has `span` factors, at least `LEAST`, and `width` numbers under them at all `across`
+            // offsets.
             unsafe { Slide { factors, count: span, numbers, width, rows: (rows + 1 + at % 2) / 2 }.add(of_row) };
             let first = 2 * at + sum_of / 2;
             for at in first..down.min(first + 1 + usize::from(sum_of == BOTH)) {
@@ -307,13 +315,14 @@ impl Slide<i32> {
     /// Adds to `sums[i]`, for each row, the dot product of its factors and its numbers from index `i` on.
     ///
     /// # Safety
-    /// `count` factors and `count + sums.len() - 1` numbers of each row can be read; `count >= LEAST`, `rows` is not 0.
+    /// `rows` rows of `count` factors can be read at `factors`, one after the other. Of as many rows at `numbers`,
+    /// `width` apart, `count + sums.len() - 1` numbers can be read. `count` is at least `LEAST`, `rows` is not 0.
     #[inline(never)]
     unsafe fn add(mut self, sums: &mut [i32]) {
         let (mut to, mut left) = (sums.as_mut_ptr(), sums.len());
         while left > 0 {
-            // SAFETY: no function takes more than the `left` sums, whose numbers lie in the rows. There is none for three
-            // sums, because it would hardly ever run.
+            // SAFETY: no function takes more than the `left` sums, whose numbers lie in the rows. There is none for
+            // three sums, because it would hardly ever run.
             let done = unsafe {
                 match left {
                     1 => self.one(to),
@@ -342,7 +351,9 @@ macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {
             /// # Safety
-            /// As [`Slide::add`], for n sums.
+            /// `rows` rows of `count` factors can be read at `factors`, one after the other. Of as many rows at
+            /// `numbers`, `width` apart, `count + n - 1` numbers can be read. `count` is at least `LEAST`, `rows` is
+            /// not 0. n sums can be read and written at `sums`. All addresses are aligned.
             #[inline(never)]
             unsafe fn $name(&self, sums: *mut i32) -> usize {
                 let Self { factors, count, numbers, width, rows } = *self;

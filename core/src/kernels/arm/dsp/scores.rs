@@ -67,8 +67,11 @@ macro_rules! similarities {
     };
 }
 
+/// Implements [`Loops::REACHABLE`]. The first of the `entries` is that of equal pixels.
+///
 /// # Safety
-/// The pictures have at least four columns; there are 256 entries, the first of which is that of equal pixels.
+/// `pair.width` pixels, at least four, can be read in each of the `pair.height` rows (at least one) of both
+/// pictures, and 256 numbers at `entries`.
 #[inline(always)]
 unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     let mut reachable = pair.full_after(0);
@@ -135,8 +138,11 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     reachable
 }
 
+/// Implements [`Loops::DISTANCE`].
+///
 /// # Safety
-/// The pictures have at least four columns.
+/// `pair.width` pixels, at least four, can be read in each of the `pair.height` rows (at least one) of both
+/// pictures.
 #[inline(always)]
 unsafe fn distance(pair: &Rows, enough: u32) -> u32 {
     // `sum` starts at -`enough` - 1 and reaches 0 once the distance exceeds `enough`. The limit prevents an overflow.
@@ -145,7 +151,8 @@ unsafe fn distance(pair: &Rows, enough: u32) -> u32 {
     let mut column = 0;
     while column < pair.width && sum < 0 {
         let width = STRIP.min(pair.width - column);
-        // SAFETY: the pair has at least four columns, and the strip lies in it.
+        // SAFETY: the strip ends within the `pair.width` columns. The first one has at least four columns, later ones
+        // lie behind it.
         unsafe { sum = strip(pair, column, width, sum) };
         column += STRIP;
     }
@@ -166,7 +173,8 @@ macro_rules! distance_of_words {
 /// Adds to `sum` the differences in `width` (1..=`STRIP`) columns from `column`, row by row, while `sum` is negative.
 ///
 /// # Safety
-/// The pair has these columns, and at least four.
+/// `column + width` is at least four and at most `pair.width`. `pair.width` pixels can be read in each of the
+/// `pair.height` rows (at least one) of both pictures.
 #[inline(always)]
 unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     let left = width % LANES;

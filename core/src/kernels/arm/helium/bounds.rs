@@ -20,8 +20,11 @@ macro_rules! points {
     };
 }
 
+/// Implements `Loops::POINT_MARGINS`.
+///
 /// # Safety
-/// The patch has three more columns than the template.
+/// `pair.width` pixels, at least one, can be read in each of the `pair.height` rows (at least one) of the template,
+/// and three more in each row of the patch.
 #[inline(never)]
 pub(super) unsafe fn point_margins(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
     let [f_stride, g_stride] = strides(pair, LANES);
@@ -73,8 +76,11 @@ pub(super) unsafe fn point_margins(pair: &Rows, points: &Points, needed: u32, wa
     margins
 }
 
+/// Implements `Loops::OUTSIDE_RANGES`.
+///
 /// # Safety
-/// Patch and upper bound have the same stride.
+/// `pair.width` bytes, at least one, can be read in each of the `pair.height` rows (at least one) at `pair.patch` and
+/// at `pair.high`, both `pair.patch_stride` apart, and of the template.
 #[inline(never)]
 pub(super) unsafe fn outside_ranges(pair: &Rows, allowed: u32) -> u32 {
     let [low_stride, g_stride] = strides(pair, LANES);

@@ -61,7 +61,7 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
 }
 
 /// # Safety
-/// Each number in `from` is less than twice [`LEFT_SAMPLES`](crate::kernels::plain::levels::LEFT_SAMPLES).
+/// Each number in `from` is even, and less than twice [`LEFT_SAMPLES`](crate::kernels::plain::levels::LEFT_SAMPLES).
 #[inline(always)]
 pub(crate) unsafe fn mix(from: &[u16], parts: &[SampleWeights], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());

@@ -78,7 +78,8 @@ macro_rules! sums {
         $($begin:literal)*; $($seventh:literal)*; $($end:literal)*
     ) => {
         /// # Safety
-        /// `down` rows of `width` weights (at least one each) can be read, and the cells under them at these offsets.
+        /// At `weights`, `self.width` weights can be read in each of `down` rows, and at `cells` as many bytes at each
+        /// of the offsets, which are `APART` bytes apart. Rows are as far apart as `self` states. Neither number is 0.
         #[inline(never)]
         unsafe fn $name<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; MOST] {
             let ($first, $nine): (_, i32);
@@ -175,7 +176,9 @@ impl Rows {
     /// fills lanes better.
     ///
     /// # Safety
-    /// All these errors can be read, and the bytes under them at seven offsets. Seven sums can be written.
+    /// In each of `self.width` rows, `self.width` errors can be read at `errors`, and `self.width + 5 + SEVEN` bytes at
+    /// `bytes`; `self` states the same distances of rows as `N` and `apart`. `self.width` is not 0. Seven sums can be
+    /// written at `to`.
     #[inline(never)]
     unsafe fn errors_at<const N: usize, const SEVEN: usize>(
         &self,
@@ -186,7 +189,8 @@ impl Rows {
     ) {
         let span = self.width;
         if span != 17 && span != 9 {
-            // SAFETY: the rows of the square are one behind the other, with the bytes under them; seven sums can be written.
+            // SAFETY: `span` rows of `span` errors can be read, and the bytes under them at six or seven offsets, one
+            // byte apart. Seven sums can be written at `to`.
             unsafe {
                 *to =
                     if SEVEN == 0 { self.six::<1>(bytes, errors, span) } else { self.seven::<1>(bytes, errors, span) };
@@ -227,7 +231,8 @@ impl Rows {
                 seven = const SEVEN,
             );
         }
-        // SAFETY: as above, for the last error of each row. The last round has as many lanes as rows are left.
+        // SAFETY: of each row the last error is read, and the bytes under it. The last round has as many lanes as rows
+        // are left. Only the stack is written; it saves r6, which `asm!` may not name.
         unsafe {
             asm!(
                 "push {{r6}}",
@@ -284,7 +289,7 @@ impl Rows {
                 seven = const SEVEN,
             );
         }
-        // SAFETY: seven sums can be written.
+        // SAFETY: seven sums can be written at `to`, which is aligned.
         unsafe { *to = [a, b, c, d, e, f, g] };
     }
 }
@@ -350,7 +355,8 @@ pub(crate) fn gather<const N: usize>(
 /// Copies one byte of each of `count` cells, side by side.
 ///
 /// # Safety
-/// The byte can be read in each cell, and `count` bytes written at `to`. `count` is not 0.
+/// A byte can be read in each of `count` cells, ten bytes apart, from `cells` on. `count` bytes can be written at `to`.
+/// `count` is not 0.
 unsafe fn side_by_side(cells: *const i8, to: *mut i8, count: usize) {
     // SAFETY: the last round has as many lanes as cells are left of `count`.
     unsafe {

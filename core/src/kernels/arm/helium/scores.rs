@@ -23,8 +23,11 @@ impl Loops for Helium {
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]) = ranges;
 }
 
+/// Implements [`Loops::REACHABLE`].
+///
 /// # Safety
-/// There are 256 entries.
+/// `pair.width` pixels, at least one, can be read in each of the `pair.height` rows (at least one) of both
+/// pictures, and 256 numbers at `entries`.
 #[inline(always)]
 unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     let mut reachable = pair.full_after(0);
@@ -130,7 +133,8 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
         return;
     }
     let [a, b, c, d] = rows.each_ref().map(|row| row.as_ptr());
-    // SAFETY: `columns + 3` pixels of each row are read, and `columns` of `low` and `span` written: see `blocks`.
+    // SAFETY: `columns + 3` pixels of each row are read, and `columns` of `low` and `span` written, and `blocks` counts
+    // no more than they have.
     unsafe {
         asm!(
             "vdup.8 q3, {lanes}",

@@ -27,7 +27,6 @@ const UNCERTAIN_BELOW: i32 = 4864;
 /// and size are 0.15 box sides each. Of 95 targets covered by noise, 67 are *lost* within 30 frames. A threshold of 0.7
 /// (2868) makes 55 *lost*, and changes the fraction R of right frames by +0.0008 +- 0.0006; one of 0.9 (3686) makes 80
 /// *lost*, and changes R by -0.0020 +- 0.0011.
-/// -0.0020 +- 0.0011.
 const LOST_BELOW: i32 = 3277;
 /// Updates in a row with an opinion below `UNCERTAIN_BELOW` after which the target is given up.
 const PATIENCE: i32 = 30;
