@@ -172,9 +172,10 @@ impl Sequence {
 
     /// Returns the start box in whole pixels. Errors: There is no box, it has no pixels, or a `Rect` cannot hold it.
     pub fn start(&self) -> Result<smr_core::Rect> {
-        let name = &self.name;
-        let init = self.init.with_context(|| {
-            format!("{name}: no initial box: give --init X,Y,W,H (drag it in `host-sim view`), or init.txt beside the recording")
+        let (name, first) = (&self.name, self.first);
+        let init = self.init.with_context(|| match first {
+            1 => format!("{name}: no initial box: give --init X,Y,W,H (drag it in `host-sim view`), or init.txt beside the recording"),
+            _ => format!("{name}: no initial box for frame {first}: give --init X,Y,W,H (init.txt has that of frame 1)"),
         })?;
         init.pixels().map_err(|what| anyhow!("{name}: the initial box {what}"))
     }
@@ -424,6 +425,9 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     }
     // ffmpeg would render a text file as a video of a terminal.
     ensure!(!has_extension(file, &["txt"]), "{name} is a text file: expected a recording (a video, Y4M or pictures)");
+    if data.is_file() {
+        fs::File::open(file).with_context(|| format!("cannot open {name}"))?;
+    }
     let reading = ffmpeg::open("ffmpeg", file, ffmpeg::Use::Gray, options.patience())?;
     let notes = reading.note.clone().into_iter().collect();
     let frames = (1..).zip(reading).map(|(number, picture)| Ok(picture?.gray(number)));

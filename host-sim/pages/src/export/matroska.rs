@@ -25,11 +25,13 @@ pub(super) fn head((width, height): (u32, u32)) -> Vec<u8> {
     .concat()
 }
 
-/// Returns a cluster with one RGB frame, shown at `microseconds`.
-pub(super) fn frame(microseconds: u64, rgb: &[u8]) -> Vec<u8> {
-    // Block header: track 1, time offset 0 from the cluster, key frame.
-    let block = [&[0x81, 0, 0, 0x80], rgb].concat();
-    element(&[0x1F, 0x43, 0xB6, 0x75], &[number(&[0xE7], microseconds), element(&[0xA3], &block)].concat())
+/// Returns a cluster with one RGB frame, shown at a time for a duration, in microseconds. Without a duration, MP4 would
+/// end before the second of two frames.
+pub(super) fn frame((time, duration): (u64, u64), rgb: &[u8]) -> Vec<u8> {
+    // Block header: track 1, time offset 0 from the cluster.
+    let block = [&[0x81, 0, 0, 0], rgb].concat();
+    let group = [element(&[0xA1], &block), number(&[0x9B], duration)].concat();
+    element(&[0x1F, 0x43, 0xB6, 0x75], &[number(&[0xE7], time), element(&[0xA0], &group)].concat())
 }
 
 fn number(identifier: &[u8], value: u64) -> Vec<u8> {
@@ -50,6 +52,8 @@ mod tests {
     fn an_element_is_its_identifier_its_size_and_its_data() {
         assert_eq!(element(&[0x42, 0x82], b"abc"), *b"\x42\x82\x01\0\0\0\0\0\0\x03abc");
         assert_eq!(number(&[0xE7], 258), *b"\xE7\x01\0\0\0\0\0\0\x08\0\0\0\0\0\0\x01\x02");
-        assert!(frame(7, &[1, 2, 3]).ends_with(b"\x81\0\0\x80\x01\x02\x03"));
+        assert!(
+            frame((7, 1), &[1, 2, 3]).ends_with(b"\x81\0\0\0\x01\x02\x03\x9B\x01\0\0\0\0\0\0\x08\0\0\0\0\0\0\0\x01")
+        );
     }
 }

@@ -58,15 +58,13 @@ impl Sound {
             Shift::Unknown(said) => return Ok(unreadable(said)),
         };
         let filter = self.filter(shift, codec);
-        let mut both = command();
-        both.arg("-i").arg(ffmpeg_input(pictures)).arg("-i").arg(ffmpeg_input(&self.recording));
-        both.args(["-map", "0:v", "-c:v", "copy", "-map", "1:a:0", "-af", &filter]).args(codec.options);
-        // Sound that begins late makes ffmpeg hold back all pictures before it.
-        both.args(["-map_chapters", "-1", "-max_muxing_queue_size", "1000000000"]);
-        both.args(container).arg("-y").arg(out).args(unread_pictures(1)).stdin(Stdio::null());
-        let written = Writing::start(both, out, patience)?.end().and_then(|()| check(out, frames, patience));
-        if written.as_ref().is_ok_and(|&sounds| sounds > 0) {
-            return Ok(Added::Sound);
+        let mut written = Ok(0);
+        // Where recordings are joined, ffmpeg takes the last packets of a part for damaged, also those of the pictures.
+        for before in [&[][..], &["-fflags", "+discardcorrupt"]] {
+            written = self.write(before, (pictures, frames), out, (&filter, codec, container), patience);
+            if written.as_ref().is_ok_and(|&sounds| sounds > 0) {
+                return Ok(Added::Sound);
+            }
         }
         // Either the sound cannot be read, or the file cannot be written: encodes the sound alone, into no file.
         let mut alone = command();
@@ -78,6 +76,26 @@ impl Sound {
             Ok(_) => written.map(|_| Added::Sound),
             Err(said) => Ok(unreadable(said)),
         }
+    }
+
+    /// Writes the video with the sound that `filter` cuts; `before` are options of the recording. Returns the number of
+    /// sound packets in the file.
+    fn write(
+        &self,
+        before: &[&str],
+        (pictures, frames): (&Path, usize),
+        out: &Path,
+        (filter, codec, container): (&str, Codec, &[&str]),
+        patience: Duration,
+    ) -> Result<usize> {
+        let mut both = command();
+        both.arg("-i").arg(ffmpeg_input(pictures)).args(before).arg("-i").arg(ffmpeg_input(&self.recording));
+        both.args(["-map", "0:v", "-c:v", "copy", "-map", "1:a:0", "-af", filter]).args(codec.options);
+        // Sound that begins late makes ffmpeg hold back all pictures before it.
+        both.args(["-map_chapters", "-1", "-max_muxing_queue_size", "1000000000"]);
+        both.args(container).arg("-y").arg(out).args(unread_pictures(1)).stdin(Stdio::null());
+        Writing::start(both, out, patience)?.end()?;
+        check(out, frames, patience)
     }
 
     /// Returns how much later ffmpeg counts times when it reads both pictures and sound than when it reads pictures

@@ -101,7 +101,7 @@ impl Film {
             }
             Way::Video(encoder, output, kind) => {
                 let mut write = || {
-                    let mut bytes = matroska::frame(time, overlay.rgb());
+                    let mut bytes = matroska::frame((time, self.timeline.interval), overlay.rgb());
                     if encoder.is_none() {
                         bytes = [matroska::head(overlay.size()), bytes].concat();
                         let file = output.path();

@@ -1,6 +1,6 @@
 //! Boxes of named targets in files that people and other programs write: CSV with column names, and CVAT XML.
 //!
-//! Each format has a reader, which returns tracks: the entries of a target, in the order of the file. [`Track::target`]
+//! Each format has a reader, which returns tracks: the entries of a target, in the order of the file. `Track::target`
 //! gives all formats one meaning: entries by frame, at most one in a frame, boxes with pixels.
 
 mod csv;

@@ -39,8 +39,9 @@ impl Video {
         let mut input = Input::new(program, file, patience);
         // A pipe can be read only once.
         let facts = if file.is_file() {
+            let facts = Facts::of(&input)?;
             input.end = matroska::damage(file);
-            Facts::of(&input)?
+            facts
         } else {
             Facts { begins_at_key: true, aspect: (1, 1), ..Facts::default() }
         };

@@ -1,7 +1,7 @@
 //! Elements of Matroska and WebM files, and their checksums, which ffmpeg writes but does not check.
 
 use std::fs::File;
-use std::io::{BufReader, Read, Result, Seek, copy, sink};
+use std::io::{BufReader, ErrorKind, Read, Result, Seek, copy, sink};
 use std::path::Path;
 
 const HEAD: u32 = 0x1A45_DFA3;
@@ -18,7 +18,7 @@ const IN_SEGMENT: [u32; 9] =
 fn element(input: &mut impl Read) -> Result<(u32, Option<u64>)> {
     let (id, _) = variable(input, 4, true)?;
     let (length, bits) = variable(input, 8, false)?;
-    let id = u32::try_from(id).map_err(|_| std::io::ErrorKind::InvalidData)?;
+    let id = u32::try_from(id).map_err(|_| ErrorKind::InvalidData)?;
     Ok((id, (length != (1 << bits) - 1).then_some(length)))
 }
 
@@ -28,7 +28,7 @@ fn variable(input: &mut impl Read, most: u32, keeps_mark: bool) -> Result<(u64, 
     input.read_exact(&mut first)?;
     let bytes = first[0].leading_zeros() + 1;
     if bytes > most {
-        return Err(std::io::ErrorKind::InvalidData.into());
+        return Err(ErrorKind::InvalidData.into());
     }
     // Eight bytes leave no bit of the first one.
     let start = if keeps_mark { first[0] } else { first[0] & 0xFF_u8.checked_shr(bytes).unwrap_or(0) };
@@ -63,8 +63,8 @@ impl Elements {
     }
 }
 
-/// Returns the offset in bytes of the first element whose checksum is wrong, or behind which no element begins. `None`
-/// if there is none, or if the file has no checksums.
+/// Returns the offset in bytes of the first element whose checksum is wrong, or where an element should begin and does
+/// not. `None` if there is none, if the file has no checksums, or if it is only cut, which ffmpeg notices.
 pub(super) fn damage(file: &Path) -> Option<u64> {
     let file = File::open(file).ok()?;
     let length = file.metadata().ok().filter(std::fs::Metadata::is_file)?.len();
@@ -82,27 +82,30 @@ pub(super) fn damage(file: &Path) -> Option<u64> {
     let mut has_checksums = false;
     loop {
         let at = input.stream_position().ok()?;
-        if at == length {
-            // A recording that was cut between two elements lacks the rest of its segment.
-            return end.filter(|&end| has_checksums && end != length).map(|_| at);
+        if at >= length {
+            return None;
         }
-        let is_whole = end.is_none_or(|end| at < end) && {
-            match element(&mut input) {
-                Ok((id, Some(size))) if IN_SEGMENT.contains(&id) => match sum_holds(&mut input, size) {
-                    Some(Some(holds)) => {
-                        has_checksums = true;
-                        // Nothing else, such as tags, decides about pictures.
-                        holds || ![CLUSTER, TRACKS].contains(&id)
-                    }
-                    // A writer of checksums writes one into every cluster.
-                    Some(None) => id != CLUSTER || !has_checksums,
-                    None => false,
-                },
-                _ => false,
+        let is_inside = end.is_none_or(|end| at < end);
+        let (id, size) = match element(&mut input) {
+            Ok((id, Some(size))) if is_inside && IN_SEGMENT.contains(&id) => (id, size),
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof => return None,
+            _ => return has_checksums.then_some(at),
+        };
+        // An element that ends behind its segment has a wrong length; one that ends behind the file may be cut.
+        if end.is_some_and(|end| input.stream_position().map_or(true, |begin| begin.saturating_add(size) > end)) {
+            return has_checksums.then_some(at);
+        }
+        let is_whole = match sum_holds(&mut input, size)? {
+            Some(holds) => {
+                has_checksums = true;
+                // Nothing else, such as tags, decides about pictures.
+                holds || ![CLUSTER, TRACKS].contains(&id)
             }
+            // A writer of checksums writes one into every cluster.
+            None => id != CLUSTER || !has_checksums,
         };
         if !is_whole {
-            return has_checksums.then_some(at);
+            return Some(at);
         }
     }
 }
@@ -170,7 +173,7 @@ mod tests {
             assert_eq!(damage_of(&changed), Some(expected as u64), "byte {at}");
         }
         for length in second..whole.len() {
-            assert_eq!(damage_of(&whole[..length]), Some(second as u64), "{length} bytes");
+            assert_eq!(damage_of(&whole[..length]), None, "{length} bytes");
         }
         assert_eq!(damage_of(&[whole.clone(), vec![7]].concat()), Some(whole.len() as u64));
     }

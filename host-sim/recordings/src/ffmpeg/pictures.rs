@@ -94,6 +94,8 @@ pub(crate) struct Pictures {
     /// The ffmpeg that copies packets, for [`Part::Packets`].
     copier: Option<Ffmpeg>,
     nut: Nut<Patient>,
+    /// Pictures that wait for their row, and rows that wait for their picture.
+    unpaired: [VecDeque<Packet>; 2],
     /// Count of complaints that are no doubt: those before the first packet, or all for MJPEG, whose decoder complains
     /// about the data of applications.
     allowed: usize,
@@ -178,6 +180,7 @@ impl Pictures {
         let zero = if is_copied { i64::from(NUT_OFFSET) * i64::from(base.1) / i64::from(base.0) } else { 0 };
         Ok(Self {
             nut: Nut::new(decoder.output()),
+            unpaired: Default::default(),
             decoder,
             copier,
             allowed,
@@ -253,15 +256,18 @@ impl Pictures {
         Picture { moment: time.map(|time| Moment { time, base, aspect }), ..picture }
     }
 
-    /// Reads the two packets of a picture: all of it, and its first row.
+    /// Reads the two packets of a picture: all of it, and its first row. A newer ffmpeg may write them in any order.
     fn packets(&mut self) -> Result<Option<Picture>> {
         let depth = self.depth as u64;
-        let mut next = || self.nut.packet(MOST_PIXELS * depth);
-        let (Some(first), Some(second)) = (next()?, next()?) else { return Ok(None) };
-        let (all, row) = if first.stream == 0 { (first, second) } else { (second, first) };
-        let Packet { length, bytes, .. } = all;
+        while self.unpaired.iter().any(VecDeque::is_empty) {
+            let Some(packet) = self.nut.packet(MOST_PIXELS * depth)? else { return Ok(None) };
+            let stream = usize::try_from(packet.stream).ok().and_then(|stream| self.unpaired.get_mut(stream));
+            stream.context("ffmpeg has written an unknown stream")?.push_back(packet);
+        }
+        let [all, row] = self.unpaired.each_mut().map(VecDeque::pop_front);
+        let (Some(Packet { length, bytes, .. }), Some(row)) = (all, row) else { return Ok(None) };
         let width = row.length / depth;
-        ensure!(width > 0 && (all.stream, row.stream) == (0, 1), "ffmpeg's pictures have no width");
+        ensure!(width > 0, "ffmpeg's pictures have no width");
         let height = length / depth / width;
         let sides = u16::try_from(width).ok().zip(u16::try_from(height).ok());
         let (size, bytes) = sides.zip(bytes).with_context(|| {
