@@ -180,7 +180,9 @@ fn end(child: &Mutex<Child>) {
 /// Handles SIGINT, SIGTERM and SIGHUP (unless ignored, as by `nohup`): cleans up, then exits with 128 + signal.
 #[cfg(unix)]
 pub fn heed_signals() -> io::Result<()> {
-    use signal_hook::consts::{SIGCHLD, SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGCHLD, SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    // A write above a limit of the size of files is then an error, and not the end of this program.
+    signal_hook::flag::register(SIGXFSZ, Arc::default())?;
     // A parent may have set SIGCHLD to be ignored; the system would then forget the exit status of every child.
     signal_hook::flag::register(SIGCHLD, Arc::default())?;
     let wanted = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| signal != SIGHUP || !is_ignored(signal));

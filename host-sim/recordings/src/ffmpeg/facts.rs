@@ -22,6 +22,8 @@ pub(super) struct Facts {
     pub begins_at_key: bool,
     /// Count of complaints before the first packet: about other streams, or about what comes before a key frame.
     pub notes: usize,
+    /// The last of these complaints.
+    pub noted: String,
 }
 
 /// A video file with its facts.
@@ -57,7 +59,7 @@ impl Video {
 impl Facts {
     /// Reads a file up to its first packet. Errors: no ffmpeg, or the file has no video stream.
     pub fn of(input: &Input) -> Result<Self> {
-        let mut packets = Packets::of(input, &[], &["-map", "0:V?", "-an", "-sn", "-dn", "-frames:v", "1"])?;
+        let mut packets = Packets::of(input, &[], &["-map", "0:V", "-frames:v", "1"])?;
         let mut chosen = None;
         while let Some(packet) = packets.next()? {
             let stream = match chosen {
@@ -66,7 +68,8 @@ impl Facts {
             };
             if packet.stream == stream {
                 let (begins_at_key, notes) = (packet.flags & KEY != 0, packets.ffmpeg.complaints);
-                return Ok(Self { begins_at_key, notes, ..Self::stated(stream, &packets.streams[stream]) });
+                let noted = if notes > 0 { packets.ffmpeg.words() } else { String::new() };
+                return Ok(Self { begins_at_key, notes, noted, ..Self::stated(stream, &packets.streams[stream]) });
             }
         }
         if packets.streams.is_empty() {

@@ -89,6 +89,8 @@ pub(super) fn damage(file: &Path) -> Option<u64> {
         let (id, size) = match element(&mut input) {
             Ok((id, Some(size))) if is_inside && IN_SEGMENT.contains(&id) => (id, size),
             Err(error) if error.kind() == ErrorKind::UnexpectedEof => return None,
+            // Another file is joined to this one.
+            Ok((HEAD, _)) if !is_inside => return None,
             _ => return has_checksums.then_some(at),
         };
         // An element that ends behind its segment has a wrong length; one that ends behind the file may be cut.

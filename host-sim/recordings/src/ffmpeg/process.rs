@@ -98,7 +98,8 @@ impl Line {
         let picture = picture_time(line);
         let is_row = line.starts_with(|first: char| first == '#' || first.is_ascii_digit());
         if let Some(words) = words {
-            add(Self::Complaint(words.trim().to_owned()));
+            let own = words.find("frame:").filter(|_| picture.is_some()).unwrap_or(words.len());
+            add(Self::Complaint(words[..own].trim().to_owned()));
         }
         match (picture, words) {
             (Some(time), _) => add(Self::Picture(time)),
@@ -241,10 +242,7 @@ mod tests {
             ("frame:1    pts:512     pts_time:0.04", vec![Line::Picture(Some(512))]),
             ("frame:0    pts:NOPTS   pts_time:NOPTS", vec![Line::Picture(None)]),
             ("[h264 @ 0x5] frame:3 pts:-7 pts_time:-1", vec![Line::Picture(Some(-7))]),
-            (
-                "[h264 @ 0x5] [error] frame:3 pts:7 pts_time:1",
-                vec![complaint("frame:3 pts:7 pts_time:1"), Line::Picture(Some(7))],
-            ),
+            ("[h264 @ 0x5] [error] frame:3 pts:7 pts_time:1", vec![complaint(""), Line::Picture(Some(7))]),
             ("#tb 0: 1/25", vec![Line::Row("#tb 0: 1/25".to_owned())]),
             ("0, 1, 2, 3, 4, 0x5", vec![Line::Row("0, 1, 2, 3, 4, 0x5".to_owned())]),
         ] {

@@ -3,7 +3,7 @@
 //! A doubt about pictures that are read directly is checked by packets: joined files, and complaints about what is not
 //! decoded, are no damage.
 
-use super::facts::{EXPECTED, Video};
+use super::facts::{EXPECTED, Facts, Video};
 use super::pictures::{End, Part, Picture, Pictures, Use};
 use super::process::Input;
 use super::search::{self, List, Whole};
@@ -62,6 +62,12 @@ pub(crate) fn open(program: &str, file: &Path, wanted: Use, patience: Duration) 
             reading = Reading::start(reading.video, wanted)?;
             first = reading.next_whole().with_context(cannot_read)?;
         }
+    }
+    let Facts { codec, notes, noted, .. } = &reading.video.facts;
+    if reading.note.is_none() && *notes > 0 && codec != "mjpeg" {
+        reading.note = Some(format!(
+            "{name}: ffmpeg complains while it opens the file, so frames may be wrong or missing: {noted}"
+        ));
     }
     if reading.pictures.decoded() == 0 {
         return Err(match reading.doubt {

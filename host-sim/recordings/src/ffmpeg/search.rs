@@ -80,10 +80,14 @@ impl Whole {
 /// Searches the pictures that decode without a doubt. In the run that has failed, `decoded` did.
 pub(super) fn whole(video: &Video, decoded: usize) -> Result<Whole> {
     let list = List::of(video)?;
-    let end = list.corrupt.unwrap_or(list.packets.len());
+    let complaint = list.complaint.filter(|_| !list.ends_too_early());
+    let end = list.corrupt.into_iter().chain(complaint).min().unwrap_or(list.packets.len());
     let (packets, pictures) = most_packets(video, decoded.min(end), end)?;
     let pictures = pictures.min(in_order(&list.packets, packets));
-    Ok(if packets < list.packets.len() {
+    Ok(if complaint.is_some_and(|complaint| complaint == packets) {
+        // ffmpeg may complain some packets early.
+        Whole::unknown(pictures)
+    } else if packets < list.packets.len() {
         Whole { pictures, spread: 1 }
     } else if list.ends_too_early() || video.input.end.is_some() {
         // The last packets before the end of a cut file come through or not.
