@@ -123,16 +123,18 @@ const CORPUS: [(&str, &str); 21] = [
 
 /// Damages files of every codec and container. A wrong picture passes as right only where ffmpeg itself notices nothing,
 /// and the frames that a message advises are right. Damage of a head can make a wrong picture long before the complaint,
-/// so one such piece of advice in a hundred is allowed. `SMR_DAMAGES` is the number of damaged copies of each file.
+/// so one such piece of advice in a hundred is allowed. `SMR_DAMAGES` is the number of damaged copies of each file;
+/// without it, every second file is damaged once.
 #[test]
 fn no_wrong_picture_passes_as_right() {
     let test = "no_wrong_picture_passes_as_right";
-    let copies = std::env::var("SMR_DAMAGES").map_or(1, |count| count.parse().unwrap());
+    let copies = std::env::var("SMR_DAMAGES").ok().map(|count| count.parse().unwrap());
+    let corpus: Vec<_> = CORPUS.iter().step_by(if copies.is_some() { 1 } else { 2 }).collect();
     let folder = tempfile::tempdir().unwrap();
     for version in versions(test) {
         let (mut told, mut wrong_advice) = (0, Vec::new());
         let mut numbers = Numbers(7);
-        for (nth, (name, options)) in CORPUS.iter().enumerate() {
+        for (nth, (name, options)) in corpus.iter().enumerate() {
             let file = folder.path().join(name);
             if !file.exists() && !encode(&file, options) {
                 skipped(test, format_args!("this ffmpeg does not write {name}"));
@@ -141,7 +143,7 @@ fn no_wrong_picture_passes_as_right() {
             let whole = convert_with(version.as_ref(), &file);
             assert_eq!((whole.code, whole.pictures.len(), whole.said.as_str()), (Some(0), 48, ""), "{name}");
             let is_right = |pictures: &[Vec<u8>]| whole.pictures.starts_with(pictures);
-            for copy in 0..copies {
+            for copy in 0..copies.unwrap_or(1) {
                 let mut bytes = fs::read(&file).unwrap();
                 damage(&mut bytes, (nth + copy) % 5, &mut numbers);
                 let damaged = folder.path().join(format!("damaged-{name}"));

@@ -13,11 +13,6 @@ pub struct Damaged {
 }
 
 impl Damaged {
-    /// Number of whole frames before the damage; `None` if it is not known.
-    pub const fn whole_frames(&self) -> Option<usize> {
-        self.before
-    }
-
     /// Returns the frames before the damage as a value of `--frames`, such as `..9`; `None` if there are none.
     pub fn whole_part(&self) -> Option<String> {
         self.before.filter(|&before| before > 0).map(|before| format!("..{before}"))

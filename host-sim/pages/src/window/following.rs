@@ -625,9 +625,8 @@ impl Following<'_> {
                 state.segments.entry(key).and_modify(|segment| segment.starved = true);
             }
             if let Some(error) = error {
-                if let Some(damaged) = error.downcast_ref::<Damaged>() {
-                    let whole = damaged.whole_frames().unwrap_or(last);
-                    state.damaged = Some(state.damaged.map_or(whole, |before| before.min(whole)));
+                if error.is::<Damaged>() {
+                    state.damaged = Some(state.damaged.map_or(last, |before| before.min(last)));
                 }
                 state.log.say(messages::of(error));
             } else if known.map_or(start == 1, |all| last >= all) {
