@@ -4,56 +4,44 @@
 //! a tracker. [`output`] writes files whole or not at all, and [`cleanup`] removes them on a signal.
 
 pub mod annotations;
-pub mod away;
-mod border;
-pub mod boxes;
+mod built_in;
 pub mod cleanup;
-pub mod cover;
 mod damage;
-pub mod fault;
+mod disturb;
 mod ffmpeg;
 mod folders;
+mod formats;
 mod frame_number;
 mod frame_range;
-mod images;
 pub mod input;
-mod jpeg;
 pub mod messages;
 #[cfg(test)]
 #[path = "../../../tests/missing.rs"]
 mod missing;
-mod names;
-mod noise;
 pub mod output;
-mod periodic;
-mod pnm;
-mod raw;
 mod resize;
-mod samples;
-pub mod slow;
 mod source;
-mod start;
-pub mod street;
-pub mod synthetic;
-mod tiles;
 mod wait;
-mod y4m;
 
-pub use boxes::BoundingBox;
+pub use annotations::boxes::{self, BoundingBox};
+pub use annotations::start::{Start, Target, check_gone, checked_name};
+pub use built_in::{street, synthetic};
 pub use damage::Damaged;
+pub use disturb::{away, cover, fault, slow};
 pub use ffmpeg::{Arrivals, Live, Moment, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, is_live, silent};
 pub use folders::recordings;
+pub use formats::images::{Picture, decode_colors, decode_picture};
+pub use formats::to_gray::{Levels, luma};
+pub use formats::y4m::Planes;
 pub use frame_number::FrameNumber;
 pub use frame_range::{FrameRange, misfit};
-pub use images::{Picture, decode_colors, decode_picture};
 pub use resize::{Resize, Scalable, resized};
-pub use samples::{Levels, luma};
 pub use source::{Seekable, Source, is_seekable};
-pub use start::{Start, Target, check_gone, checked_name};
 pub use wait::Wanted;
-pub use y4m::Planes;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use built_in::{border, noise, periodic, tiles};
+use formats::{images, names, raw, y4m};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufReader, stdin};

@@ -1,4 +1,5 @@
 use super::*;
+use crate::formats::to_gray;
 use png::{BitDepth, ColorType};
 use tempfile::TempDir;
 
@@ -347,7 +348,7 @@ mod pictures {
         ] {
             let mut bytes = Vec::new();
             let mut info = png::Info::with_size(width, height);
-            info.exif_metadata = Some(samples::tests::exif(true, orientation).into());
+            info.exif_metadata = Some(to_gray::tests::exif(true, orientation).into());
             let encoder = png::Encoder::with_info(&mut bytes, info).unwrap();
             encoder.write_header().unwrap().write_image_data(&stored).unwrap();
             let gray = decode_picture(&bytes).unwrap();
@@ -356,7 +357,7 @@ mod pictures {
         }
         let plain = decode_picture(&jpeg()).unwrap();
         let turned =
-            decode_picture(&jpeg_with(0xE1, &[samples::EXIF, &samples::tests::exif(false, 6)].concat())).unwrap();
+            decode_picture(&jpeg_with(0xE1, &[to_gray::EXIF, &to_gray::tests::exif(false, 6)].concat())).unwrap();
         assert!((0..96).all(|at| turned.level(95 - at, 7) == plain.level(7, at)), "from the left to the top");
     }
 

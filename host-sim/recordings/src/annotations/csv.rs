@@ -2,7 +2,7 @@
 //! any order of columns, any case of their names. Columns without a meaning here are ignored.
 
 use super::{BoundingBox, Entry, Seen, Track, frame, line_of, number, shown};
-use crate::start::checked_name;
+use crate::annotations::start::checked_name;
 use ::csv::{Reader, ReaderBuilder, StringRecord, Trim};
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::HashMap;

@@ -3,8 +3,8 @@
 
 use super::xml::{Element, Step, Steps};
 use super::{BoundingBox, Entry, Seen, Track, frame, line_of, number, shown};
-use crate::boxes::mask;
-use crate::start::checked_name;
+use crate::annotations::boxes::mask;
+use crate::annotations::start::checked_name;
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::HashMap;
 

@@ -3,14 +3,16 @@
 //! Each format has a reader, which returns tracks: the entries of a target, in the order of the file. `Track::target`
 //! gives all formats one meaning: entries by frame, at most one in a frame, boxes with pixels.
 
+pub mod boxes;
 mod csv;
 mod cvat;
+pub(crate) mod start;
 mod xml;
 
-use super::BoundingBox;
-use super::input::{self, Kind};
-use super::start::Target;
+use crate::input::{self, Kind};
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use boxes::BoundingBox;
+use start::Target;
 use std::path::Path;
 
 /// Files of boxes: 64 MiB are enough for a million lines of 67 bytes.

@@ -3,8 +3,8 @@
 use super::process::{self, Ffmpeg};
 use crate::Frame;
 use crate::cleanup::{self, locked};
+use crate::formats::y4m::{self, Planes};
 use crate::wait;
-use crate::y4m::{self, Planes};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader, stdin};
 use std::path::Path;

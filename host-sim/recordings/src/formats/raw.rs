@@ -1,18 +1,18 @@
 //! A raw dump as a recording: 8-bit gray pixels, row after row, frame after frame, as cameras and scripts write them.
 
-use super::damage::damaged;
-use super::{Frame, GrayFrame, MOST_PIXELS, has_extension};
+use crate::damage::damaged;
+use crate::{Frame, GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Result, ensure};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-pub(super) fn is_raw(file: &Path) -> bool {
+pub(crate) fn is_raw(file: &Path) -> bool {
     has_extension(file, &["raw", "gray", "bin", "y8"])
 }
 
 /// Opens a raw dump. Returns its frames, and the count of whole ones (`None` for a pipe).
-pub(super) fn open(
+pub(crate) fn open(
     file: &Path,
     size: (u16, u16),
 ) -> Result<(impl Iterator<Item = Result<Frame>> + Send + use<>, Option<usize>)> {

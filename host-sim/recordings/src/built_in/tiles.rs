@@ -1,11 +1,11 @@
 //! The built-in recording `tiles`, which firmware also draws to measure its cycles: see `core/examples/cycles`.
 
-use super::{BoundingBox, GrayFrame, Sequence};
+use crate::{BoundingBox, GrayFrame, Sequence};
 use smr_scene::tiles::{FRAMES, HEIGHT, SIDE, WIDTH, is_hidden, level, place};
 
 pub const NAME: &str = "tiles";
 
-pub(super) fn sequence() -> Sequence {
+pub(crate) fn sequence() -> Sequence {
     let frame = |index| {
         let pixels = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| level(index, x, y))).collect();
         GrayFrame { width: WIDTH, height: HEIGHT, pixels }

@@ -1,6 +1,6 @@
 //! Generated recordings of a slow target on a textured background: dark, bright, textured, smooth and noisy targets.
 
-use super::{BoundingBox, GrayFrame, Sequence};
+use crate::{BoundingBox, GrayFrame, Sequence};
 use smr_scene::PIXEL;
 use smr_scene::random::Random;
 use smr_scene::synthetic::{Keys, between};

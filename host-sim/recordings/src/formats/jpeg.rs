@@ -1,19 +1,19 @@
 //! Decodes JPEG pictures with zune-jpeg, up to the end marker; a video clip or a preview may follow the marker.
 
-use super::damage::damaged;
-use super::samples::{EXIF, EXPECTED, Samples, check_size, orientation, several, unread};
+use crate::damage::damaged;
+use crate::formats::to_gray::{EXIF, EXPECTED, Samples, check_size, orientation, several, unread};
 use anyhow::{Context, Result, anyhow, ensure};
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-pub(super) const MAGIC: &[u8] = &[0xFF, 0xD8, 0xFF];
+pub(crate) const MAGIC: &[u8] = &[0xFF, 0xD8, 0xFF];
 
 /// Segment that makes the decoder use the Huffman tables of ITU-T T.81, annex K.3, for a picture without tables.
 /// Webcams send no tables, because readers of their streams know them.
 const STANDARD_TABLES: &[u8] = b"\xFF\xE0\0\x07AVI1\0";
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
+pub(crate) fn decode(bytes: &[u8]) -> Result<Samples> {
     let layout = Layout::of(bytes);
     if let Some(kind) = layout.unread() {
         return Err(unread(kind));
@@ -27,7 +27,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
 }
 
 /// Returns the byte offset of the second picture in a file, as in a stream of JPEGs.
-pub(super) fn next(bytes: &[u8]) -> Option<usize> {
+pub(crate) fn next(bytes: &[u8]) -> Option<usize> {
     Layout::of(bytes).next(bytes)
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The box stays in the middle, so that a second update's search window lies in the frame wherever the first moves it.
 
-use super::{BoundingBox, GrayFrame, Sequence};
+use crate::{BoundingBox, GrayFrame, Sequence};
 use smr_scene::random::Random;
 
 pub const NAME: &str = "noise";
@@ -13,7 +13,7 @@ const WIDTH: u16 = 320;
 const HEIGHT: u16 = 272;
 const SIDE: u16 = 64;
 
-pub(super) fn sequence() -> Sequence {
+pub(crate) fn sequence() -> Sequence {
     let frame = |index| {
         let mut random = Random(0x4015_E000 + index as u64);
         let bytes = std::iter::repeat_with(|| random.next().to_le_bytes()).flatten();

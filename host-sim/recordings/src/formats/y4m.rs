@@ -1,7 +1,7 @@
 //! YUV4MPEG2 (`.y4m`) as a recording or a live source: the luma plane is the gray picture, byte for byte.
 
-use super::damage::damaged;
-use super::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
+use crate::damage::damaged;
+use crate::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::{File, Metadata};
 use std::io::{self, BufRead, BufReader, Read, Seek};
@@ -10,18 +10,18 @@ use std::path::Path;
 /// Largest number of bytes in a header line, of the stream or of a frame.
 const MAX_LINE_BYTES: u64 = 1024;
 
-pub(super) fn is_y4m(file: &Path) -> bool {
+pub(crate) fn is_y4m(file: &Path) -> bool {
     has_extension(file, &["y4m"])
 }
 
-pub(super) fn open(file: &Path) -> Result<Frames<BufReader<File>>> {
+pub(crate) fn open(file: &Path) -> Result<Frames<BufReader<File>>> {
     let name = file.display().to_string();
     let data = File::open(file).with_context(|| format!("cannot open {name}"))?;
     Frames::new(BufReader::new(data), name)
 }
 
 /// Returns the times of a file's frames in seconds; `None` if its header states no rate.
-pub(super) fn times(file: &Path) -> Option<impl Iterator<Item = f64> + use<>> {
+pub(crate) fn times(file: &Path) -> Option<impl Iterator<Item = f64> + use<>> {
     let mut frames = open(file).ok()?;
     let (number, seconds) = frames.header.rate?;
     let end = frames.stream.get_ref().metadata().ok().filter(Metadata::is_file)?.len();
@@ -29,7 +29,7 @@ pub(super) fn times(file: &Path) -> Option<impl Iterator<Item = f64> + use<>> {
     Some((0_u32..).zip(count).map(move |(frame, _)| f64::from(frame) * seconds / number))
 }
 
-pub(super) struct Frames<R> {
+pub(crate) struct Frames<R> {
     stream: R,
     header: Header,
     name: String,
@@ -38,13 +38,13 @@ pub(super) struct Frames<R> {
 
 impl<R: BufRead> Frames<R> {
     /// Reads the stream's header. Errors call the stream `name`.
-    pub(super) fn new(mut stream: R, name: String) -> Result<Self> {
+    pub(crate) fn new(mut stream: R, name: String) -> Result<Self> {
         let line = line(&mut stream).with_context(|| format!("cannot read {name}"))?;
         let header = Header::parse(&line).with_context(|| name.clone())?;
         Ok(Self { stream, header, name, number: 0 })
     }
 
-    pub(super) fn next_planes(&mut self) -> Result<Option<Planes>> {
+    pub(crate) fn next_planes(&mut self) -> Result<Option<Planes>> {
         self.number += 1;
         let read = self.read();
         let bytes = read.with_context(|| format!("{}, frame {}", self.name, self.number))?;
@@ -75,7 +75,7 @@ impl<R: BufRead> Frames<R> {
 }
 
 impl Frames<BufReader<File>> {
-    pub(super) fn from(mut self, first: usize) -> impl Iterator<Item = Result<Frame>> {
+    pub(crate) fn from(mut self, first: usize) -> impl Iterator<Item = Result<Frame>> {
         while self.number + 1 < first && self.skip_frame().is_some() {
             self.number += 1;
         }

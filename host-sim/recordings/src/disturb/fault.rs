@@ -1,7 +1,7 @@
 //! Simulated faults of cameras in undamaged frames; the same seed always generates the same frames.
 
-use super::GrayFrame;
-use crate::away::Away;
+use crate::GrayFrame;
+use crate::disturb::away::Away;
 use crate::messages::choice_name;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;

@@ -3,7 +3,7 @@
 //! A checkerboard moves by half of its period, where opposite offsets are equally close. Some frames are uniform.
 //! Others show a cone: its score falls with every pixel, so the runner-up shows where the peak's neighbourhood ends.
 
-use super::{GrayFrame, Sequence};
+use crate::{GrayFrame, Sequence};
 
 pub const NAME: &str = "periodic";
 
@@ -36,6 +36,6 @@ fn level([pattern, right, down]: [i32; 3], x: i32, y: i32) -> u8 {
     }
 }
 
-pub(super) fn sequence() -> Sequence {
+pub(crate) fn sequence() -> Sequence {
     Sequence { init: Some([26, 18, 12, 12].into()), truth: None, ..Sequence::made(NAME, frames(), vec![]) }
 }

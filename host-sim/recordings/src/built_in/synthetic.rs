@@ -1,6 +1,6 @@
 //! The built-in recording `synthetic`, which `smr_scene::synthetic` draws, to test trackers.
 
-use super::{BoundingBox, GrayFrame, Sequence};
+use crate::{BoundingBox, GrayFrame, Sequence};
 use smr_scene::synthetic::Textures;
 pub use smr_scene::synthetic::{HEIGHT, LENGTH, WIDTH};
 use std::sync::LazyLock;
@@ -31,7 +31,7 @@ fn endless(seed: u32) -> impl Iterator<Item = GrayFrame> + Send + 'static {
 }
 
 /// Returns the endless recording `synthetic:SEED`; `None` if `name` is another one.
-pub(super) fn seeded(name: &str) -> Option<Sequence> {
+pub(crate) fn seeded(name: &str) -> Option<Sequence> {
     let seed = name.strip_prefix(NAME)?.strip_prefix(':')?.parse().ok()?;
     Some(Sequence { init: truth(0), ..Sequence::endless(name.to_owned(), endless(seed)) })
 }
@@ -40,7 +40,7 @@ pub fn truth(index: usize) -> Option<BoundingBox> {
     smr_scene::synthetic::truth(index).map(BoundingBox::from)
 }
 
-pub(super) fn sequence() -> Sequence {
+pub(crate) fn sequence() -> Sequence {
     Sequence::made(NAME, (0..LENGTH).map(frame), (0..LENGTH).map(truth).collect())
 }
 

@@ -1,10 +1,10 @@
 //! Decodes PGM, PPM and PAM pictures: P2, P3, P5, P6 and P7 with 8 or 16 bits per value.
 
-use super::damage::damaged;
-use super::samples::{EXPECTED, Samples, check_size, several};
+use crate::damage::damaged;
+use crate::formats::to_gray::{EXPECTED, Samples, check_size, several};
 use anyhow::{Error, Result, ensure};
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
+pub(crate) fn decode(bytes: &[u8]) -> Result<Samples> {
     let mut reader = Reader(bytes);
     let samples = reader.picture()?;
     ensure!(reader.next(bytes).is_none(), several());
@@ -12,14 +12,14 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
 }
 
 /// Returns the byte offset of the second picture in a file; `None` without one.
-pub(super) fn next(bytes: &[u8]) -> Option<usize> {
+pub(crate) fn next(bytes: &[u8]) -> Option<usize> {
     let mut reader = Reader(bytes);
     reader.picture().ok()?;
     reader.next(bytes)
 }
 
 /// True if the bytes begin as a PGM, PPM or PAM picture, or as a PBM bitmap, which is not supported.
-pub(super) fn is_pnm(bytes: &[u8]) -> bool {
+pub(crate) fn is_pnm(bytes: &[u8]) -> bool {
     matches!(bytes, [b'P', b'1'..=b'7', space, ..] if space.is_ascii_whitespace() || *space == b'#')
 }
 

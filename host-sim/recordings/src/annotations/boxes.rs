@@ -54,7 +54,7 @@ impl BoundingBox {
         (self.x + self.width / 2.0, self.y + self.height / 2.0)
     }
 
-    pub(super) fn around(points: &[[f64; 2]]) -> Option<Self> {
+    pub(crate) fn around(points: &[[f64; 2]]) -> Option<Self> {
         let bound = |axis: usize, of: fn(f64, f64) -> f64| points.iter().map(|point| point[axis]).reduce(of);
         let (x1, y1, x2, y2) = (bound(0, f64::min)?, bound(1, f64::min)?, bound(0, f64::max)?, bound(1, f64::max)?);
         Some(Self::from_corners([x1, y1, x2, y2]))
@@ -190,7 +190,7 @@ impl Form {
     }
 }
 
-pub(super) fn find_truth(folder: &Path) -> Result<Option<Vec<Option<BoundingBox>>>> {
+pub(crate) fn find_truth(folder: &Path) -> Result<Option<Vec<Option<BoundingBox>>>> {
     let forms = TRUTH.map(|(form, name)| (form, folder.join(name)));
     forms.iter().find(|(_, file)| is_named(file)).map(|(form, file)| form.read(file)).transpose()
 }
@@ -206,7 +206,7 @@ fn absent(line: &str) -> Result<bool> {
     }
 }
 
-pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
+pub(crate) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
     let file = folder.join("init.txt");
     if !is_named(&file) {
         return Ok(None);
@@ -266,7 +266,7 @@ pub fn region(text: &str) -> Result<Option<BoundingBox>> {
 
 /// Returns the box around the target in a run-length mask. The runs go through a rectangle of the picture row by row,
 /// and are alternately background (first) and target. The outer `None` means that the text is no mask.
-pub(super) fn mask(text: &str) -> Option<Option<BoundingBox>> {
+pub(crate) fn mask(text: &str) -> Option<Option<BoundingBox>> {
     let numbers = text.split(',').map(|field| field.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
     let (&[x, y, width, height], runs) = numbers.split_first_chunk()?;
     let (width, height) = (u64::from(u16::try_from(width).ok()?), u64::from(u16::try_from(height).ok()?));

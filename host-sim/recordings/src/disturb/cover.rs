@@ -1,6 +1,6 @@
 //! Covers of a camera's lens: frames that show nothing of the target.
 
-use super::GrayFrame;
+use crate::GrayFrame;
 use clap::ValueEnum;
 use smr_scene::random::Random;
 

@@ -3,10 +3,11 @@
 //! A 16-bit value becomes its high byte, unless [`Levels`] map it. Alpha is ignored. Colour becomes gray by BT.601 in
 //! integers: `(19595 R + 38470 G + 7471 B + 32768) >> 16`. Exif orientation turns pictures upright.
 
-use super::damage::damaged;
-use super::samples::{CONVERT, EXPECTED, Levels, Samples, check_size, orientation, several, unread};
-use super::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension, jpeg, pnm};
+use super::{jpeg, pnm};
+use crate::damage::damaged;
+use crate::formats::to_gray::{CONVERT, EXPECTED, Levels, Samples, check_size, orientation, several, unread};
 use crate::input;
+use crate::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use png::{DecodingError, Transformations};
 use std::fs::File;
@@ -22,16 +23,16 @@ const FOREIGN: [&str; 28] = [
     "pfm", "tga", "exr", "hdr", "psd", "dng", "cr2", "cr3", "nef", "arw", "orf", "rw2", "raf",
 ];
 
-pub(super) fn is_picture(file: &Path) -> bool {
+pub(crate) fn is_picture(file: &Path) -> bool {
     has_extension(file, &EXTENSIONS)
 }
 
-pub(super) fn is_foreign(file: &Path) -> bool {
+pub(crate) fn is_foreign(file: &Path) -> bool {
     has_extension(file, &FOREIGN)
 }
 
 /// Returns the format of a picture by its extension. The pictures of a recording have one format.
-pub(super) fn kind(file: &Path) -> Option<String> {
+pub(crate) fn kind(file: &Path) -> Option<String> {
     let extension = file.extension()?.to_string_lossy().to_ascii_lowercase();
     let is_jpeg = has_extension(file, &["jpg", "jpeg", "jpe", "jfif"]);
     let is_known = is_jpeg || is_picture(file) || is_foreign(file);
@@ -39,7 +40,7 @@ pub(super) fn kind(file: &Path) -> Option<String> {
 }
 
 /// Returns an error if the extension is that of an unsupported picture format.
-pub(super) fn check_kind(file: &Path) -> Result<()> {
+pub(crate) fn check_kind(file: &Path) -> Result<()> {
     ensure!(!is_foreign(file), "{}: this kind of picture is not supported: {CONVERT}", file.display());
     Ok(())
 }
@@ -49,7 +50,7 @@ pub(super) fn check_kind(file: &Path) -> Result<()> {
 pub struct Picture {
     file: PathBuf,
     part: Option<Range<u64>>,
-    pub(super) levels: Option<Levels>,
+    pub(crate) levels: Option<Levels>,
 }
 
 impl From<PathBuf> for Picture {
@@ -60,7 +61,7 @@ impl From<PathBuf> for Picture {
 
 impl Picture {
     /// Returns all pictures in a file. An unreadable file counts as one picture; reading its pixels reports the error.
-    pub(super) fn all_in(file: &Path) -> Vec<Self> {
+    pub(crate) fn all_in(file: &Path) -> Vec<Self> {
         let whole = Self::from(file.to_owned());
         let Some(bytes) = whole.is_file().then(|| whole.bytes().ok()).flatten() else { return vec![whole] };
         let (mut all, mut start) = (Vec::new(), 0);
@@ -76,7 +77,7 @@ impl Picture {
     }
 
     /// False for a pipe, which can be read only once.
-    pub(super) fn is_file(&self) -> bool {
+    pub(crate) fn is_file(&self) -> bool {
         self.file.is_file()
     }
 
@@ -95,17 +96,17 @@ impl Picture {
         Ok(bytes)
     }
 
-    pub(super) fn samples(&self) -> Result<Samples> {
+    pub(crate) fn samples(&self) -> Result<Samples> {
         samples(&self.bytes()?)
     }
 
-    pub(super) fn colors(&self) -> Result<ColorFrame> {
+    pub(crate) fn colors(&self) -> Result<ColorFrame> {
         self.samples()?.colors(self.levels)
     }
 }
 
 /// Returns the frames from number `first` on; `pictures` are all pictures of the recording.
-pub(super) fn frames(pictures: &[Picture], first: usize) -> impl Iterator<Item = Result<Frame>> + Send + use<> {
+pub(crate) fn frames(pictures: &[Picture], first: usize) -> impl Iterator<Item = Result<Frame>> + Send + use<> {
     let rest = pictures.get(first - 1..).unwrap_or_default().to_owned();
     (first..).zip(rest).map(|(number, picture)| {
         let gray = picture.samples().and_then(|samples| samples.gray(picture.levels));
@@ -130,7 +131,7 @@ const MIN_LEVELS: usize = 64;
 const PIXELS_PER_DEAD: u64 = 10_000;
 
 /// Returns a note if 16-bit pictures use few levels, judged by the first, middle and last of `pictures`.
-pub(super) fn levels_note(pictures: &[Picture]) -> Option<String> {
+pub(crate) fn levels_note(pictures: &[Picture]) -> Option<String> {
     let mut counts = vec![0_u64; 1 << 16];
     let mut all = 0;
     for at in [0, pictures.len() / 2, pictures.len().saturating_sub(1)] {

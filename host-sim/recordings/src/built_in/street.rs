@@ -1,6 +1,6 @@
 //! The built-in recording `street`, which `smr_scene::street` draws, for demonstrations.
 
-use super::{BoundingBox, ColorFrame, GrayFrame, Sequence, Source, luma};
+use crate::{BoundingBox, ColorFrame, GrayFrame, Sequence, Source, luma};
 use smr_scene::street::{HEIGHT, LENGTH, Street, WIDTH};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -8,7 +8,7 @@ pub const NAME: &str = "street";
 
 static STREET: Mutex<Street> = Mutex::new(Street::BLANK);
 
-pub(super) fn sequence() -> Sequence {
+pub(crate) fn sequence() -> Sequence {
     let source = Source::Made(frame, LENGTH);
     let pixels = |index| frame(index).pixels.into_iter().map(luma).collect();
     let gray = move |index| GrayFrame { width: WIDTH, height: HEIGHT, pixels: pixels(index) };

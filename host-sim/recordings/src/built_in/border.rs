@@ -6,7 +6,7 @@
 //! twin appears, some of whose pixels differ. With many such pixels the target's score leads by more than 100, but not
 //! by the ratio that a returning target needs. With few it is lost, and later found again.
 
-use super::{BoundingBox, GrayFrame, Sequence};
+use crate::{BoundingBox, GrayFrame, Sequence};
 
 pub const NAME: &str = "border";
 
@@ -55,7 +55,7 @@ fn hash((x, y): (i32, i32), seed: u32) -> u8 {
     bits.to_be_bytes()[0]
 }
 
-pub(super) fn sequence() -> Sequence {
+pub(crate) fn sequence() -> Sequence {
     let of = |(x, y): (i32, i32)| BoundingBox::from([x, y, TARGET.0, TARGET.1]);
     let truth = script().map(|(place, _)| (place != NOWHERE).then(|| of(place))).collect();
     Sequence::made(NAME, frames(), truth)

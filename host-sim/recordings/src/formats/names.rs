@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// Sorts `img2` before `img10`. Decimal numbers of one series (`Decimal::are_one_series`) sort by value: `1.25`, `1.5`.
-pub(super) fn sort(files: &mut [PathBuf]) {
+pub(crate) fn sort(files: &mut [PathBuf]) {
     let decimals: Option<Vec<_>> = files.iter().map(|file| Decimal::of(&stem(file))).collect();
     let are_decimals = decimals.is_some_and(|all| Decimal::are_one_series(&all));
     // Names that differ only in white space are equal in natural order: their paths decide, not the order on disk.
@@ -62,7 +62,7 @@ impl Decimal {
 }
 
 /// Finds two pictures with one number, such as `7.png` and `7_mask.png`, which cannot both be frames of a recording.
-pub(super) fn twins(files: &[PathBuf]) -> Option<[&Path; 2]> {
+pub(crate) fn twins(files: &[PathBuf]) -> Option<[&Path; 2]> {
     let mut of_numbers = HashMap::new();
     files.iter().find_map(|file| {
         let stem = stem(file);

@@ -1,13 +1,13 @@
 //! Converts decoded samples to an upright frame in gray or color, and creates errors about pictures.
 
-use super::{ColorFrame, GrayFrame, MOST_PIXELS, Raster};
+use crate::{ColorFrame, GrayFrame, MOST_PIXELS, Raster};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use std::fmt;
 use std::str::FromStr;
 
-pub(super) const EXPECTED: &str = "expected a PNG, JPEG, PGM, PPM or PAM picture";
+pub(crate) const EXPECTED: &str = "expected a PNG, JPEG, PGM, PPM or PAM picture";
 
-pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
+pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
     let pixels = u64::from(width) * u64::from(height);
     ensure!(pixels > 0, "it is {width}x{height}: expected at least 1 pixel on each side");
     ensure!(pixels <= MOST_PIXELS, "it is {width}x{height}: expected at most {MOST_PIXELS} pixels");
@@ -15,13 +15,13 @@ pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
 }
 
 /// Returns the error for a picture of an unsupported kind. It does not call the picture damaged.
-pub(super) fn unread(kind: &str) -> Error {
+pub(crate) fn unread(kind: &str) -> Error {
     anyhow!("it is {kind}, which is not supported: {CONVERT}")
 }
 
-pub(super) const CONVERT: &str = "convert it to PNG first";
+pub(crate) const CONVERT: &str = "convert it to PNG first";
 
-pub(super) fn several() -> Error {
+pub(crate) fn several() -> Error {
     anyhow!(
         "it holds several pictures: expected one picture in each file of a folder, or this file alone as the recording"
     )
@@ -30,12 +30,12 @@ pub(super) fn several() -> Error {
 /// A range of 16-bit values, stretched to 0..255; values outside become black or white. Text form: `7600..8366`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
-    pub(super) black: u16,
-    pub(super) white: u16,
+    pub(crate) black: u16,
+    pub(crate) white: u16,
 }
 
 impl Levels {
-    pub(super) fn of(self, value: u16) -> u8 {
+    pub(crate) fn of(self, value: u16) -> u8 {
         let (above, span) = (u32::from(value.saturating_sub(self.black)), u32::from(self.white - self.black));
         u8::try_from((255 * above + span / 2) / span).unwrap_or(255)
     }
@@ -60,7 +60,7 @@ impl fmt::Display for Levels {
 }
 
 /// A decoded picture: gray or RGB, each with or without alpha.
-pub(super) struct Samples {
+pub(crate) struct Samples {
     pub width: u16,
     pub height: u16,
     /// Samples per pixel, 1 to 4.
@@ -147,7 +147,7 @@ pub fn luma([r, g, b]: [u8; 3]) -> u8 {
 }
 
 /// Returns the orientation in Exif data, tag 0x112 of the first TIFF directory: 1 (upright) to 8; 1 without the tag.
-pub(super) fn orientation(exif: &[u8]) -> u8 {
+pub(crate) fn orientation(exif: &[u8]) -> u8 {
     let stated = stated(exif).and_then(|stated| u8::try_from(stated).ok());
     stated.filter(|stated| (1..=8).contains(stated)).unwrap_or(1)
 }
@@ -173,10 +173,10 @@ fn stated(exif: &[u8]) -> Option<u32> {
 }
 
 /// Header of the Exif segment in JPEG.
-pub(super) const EXIF: &[u8] = b"Exif\0\0";
+pub(crate) const EXIF: &[u8] = b"Exif\0\0";
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
 
     #[test]
