@@ -335,8 +335,8 @@ impl Followed {
             at: None,
             stopped: false,
         };
-        let (known, oldest) = source.live().map_or_else(|| (source.known().frames, 1), |_| (None, 0));
-        state.targets = state.checked(targets, known, oldest)?;
+        // The length may be known a moment later: `beyond` then says that a box lies behind the last frame.
+        state.targets = state.checked(targets, None, usize::from(source.live().is_none()))?;
         state.arrange();
         Ok(Self { state: Mutex::new(state), changed: Condvar::new() })
     }
