@@ -239,11 +239,11 @@ def test_what_is_sent_again_is_answered_again_and_acts_once(world, capsys):
     assert (answer.target_system, answer.target_component, answer.result) == (255, 191, ACCEPTED)
     assert "following" in capsys.readouterr().err
     one.link.mav.srcComponent = 190
-    # What was refused is refused again, and said once. A request is answered each time, since its answer may be lost.
+    # A refused command is refused again, and said once. A request is answered each time, since its answer may be lost.
     assert acts(one, TRACK, 0.2, 0.1, 0.1, 0.2) == (DENIED, True)
     assert acts(one, TRACK, 0.2, 0.1, 0.1, 0.2, confirmation=1) == (DENIED, False)
     assert one.ask(REQUEST, 259, confirmation=1) == ACCEPTED and one.after[0].get_type() == "CAMERA_INFORMATION"
-    # What was refused for the moment is tried again.
+    # A temporarily rejected command is tried again.
     frame, camera.frame = camera.frame, None
     assert acts(one, TRACK, 0.3, 0.1, 0.5, 0.3) == (mavlink.MAV_RESULT_TEMPORARILY_REJECTED, False)
     camera.frame = frame
