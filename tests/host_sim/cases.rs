@@ -4,7 +4,7 @@
 //! errors, and in brackets its exit code if that is not 0; `...` stands for anything. `printf TEXT > FILE`, `head -c BYTES FILE > FILE` and
 //! `host-sim ... > FILE` make files, `mkdir` a folder, `cat FILE` and `ls DIR` show them. `SMR_RECORD=1 cargo test -p host-sim --test program cases` writes into the files what host-sim says now.
 
-use crate::program::PROGRAM;
+use crate::program::{PROGRAM, output};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
@@ -43,6 +43,7 @@ fn said(command: &str, folder: &Path) -> String {
     match words[..] {
         ["host-sim", ref arguments @ ..] => {
             let mut program = Command::new(PROGRAM);
+            program.stdout(Stdio::piped());
             let arguments = match arguments {
                 [arguments @ .., ">", file] => {
                     program.stdout(File::create(folder.join(file)).expect("a file can be made"));
@@ -50,8 +51,7 @@ fn said(command: &str, folder: &Path) -> String {
                 }
                 all => all,
             };
-            let program = program.args(arguments).current_dir(folder).stdin(Stdio::null()).env("COLUMNS", "120");
-            let said = program.output().expect("host-sim runs");
+            let said = output(program.args(arguments).current_dir(folder).env("COLUMNS", "120"));
             let code = said.status.code().filter(|code| *code != 0).map(|code| format!("[{code}]\n"));
             let [out, err] = [said.stdout, said.stderr].map(|text| String::from_utf8(text).expect("UTF-8"));
             out + &err + &code.unwrap_or_default()
