@@ -56,12 +56,12 @@ const CALL = struct({
 // Memory for a flight record; the first five fields belong to the library.
 const SINK = struct({ write: u32, context: u32, entries: u32, flags: u32, tracker: u32, bytes: u32, size: u32, used: u32 });
 // Upper bound in bytes of a flight record's first entry; also of what one update adds to the record besides pixels.
-const MOST_AROUND = 1024;
+const MAX_AROUND = 1024;
 // Granularity in bytes of memory for windows, so that windows of changing size do not fragment the memory.
 const PIXELS_STEP = 65536;
-const MOST_I32 = 2 ** 31 - 1;
+const MAX_I32 = 2 ** 31 - 1;
 // Largest saved target of any build, in bytes: SMR_PAPER_SAVED_SIZE with the largest SMR_PIXELS.
-const MOST_SAVED = 65537 + 94;
+const MAX_SAVED = 65537 + 94;
 const NODE_FILES = ["node:fs", "promises"];
 // Address of the enclosing script, if a bundler has turned this module into a classic script; empty for one in the page.
 const SCRIPT = globalThis.document?.currentScript?.src;
@@ -328,8 +328,8 @@ export class Tracker {
   /** Informs the tracker of a camera motion that moved the picture by this many 1/256 pixels. */
   moved(right, down) {
     this.#live();
-    whole(right, -MOST_I32, MOST_I32, "right");
-    whole(down, -MOST_I32, MOST_I32, "down");
+    whole(right, -MAX_I32, MAX_I32, "right");
+    whole(down, -MAX_I32, MAX_I32, "down");
     this.#recorded(0, () => this.#library.call("smr_moved", this.#at, right, down));
   }
 
@@ -353,7 +353,7 @@ export class Tracker {
         throw error;
       }
     }
-    const all = saved.subarray(0, MOST_SAVED);
+    const all = saved.subarray(0, MAX_SAVED);
     this.#recorded(all.length, () => this.#restore(all, this.#library.pixels(all.length)));
     this.answer = null;
   }
@@ -447,7 +447,7 @@ export class Tracker {
     [...this.#takers].forEach((take) => take(this.#head, true));
   }
 
-  // Performs `call`, which adds at most `size` + MOST_AROUND bytes to the flight record, and passes the added bytes to
+  // Performs `call`, which adds at most `size` + MAX_AROUND bytes to the flight record, and passes the added bytes to
   // all functions given to `record`.
   #recorded(size, call) {
     if (this.#takers.size === 0) {
@@ -470,7 +470,7 @@ export class Tracker {
     return memory.copy(this.#own.bytes, SINK.fields.used.read(memory.view, this.#own.sink + SINK.places.used));
   }
 
-  // Clears the memory of the flight record, and enlarges it if it is smaller than `size` + MOST_AROUND bytes.
+  // Clears the memory of the flight record, and enlarges it if it is smaller than `size` + MAX_AROUND bytes.
   #room(size) {
     const { memory } = this.#library;
     const own = this.#own;
@@ -478,9 +478,9 @@ export class Tracker {
       own.sink = memory.take(SINK.size);
       memory.bytes.fill(0, own.sink, own.sink + SINK.size);
     }
-    if (own.size < size + MOST_AROUND) {
+    if (own.size < size + MAX_AROUND) {
       memory.give(own.bytes);
-      own.size = Math.ceil((size + MOST_AROUND) / PIXELS_STEP) * PIXELS_STEP;
+      own.size = Math.ceil((size + MAX_AROUND) / PIXELS_STEP) * PIXELS_STEP;
       own.bytes = memory.take(own.size);
     }
     for (const [name, value] of Object.entries({ bytes: own.bytes, size: own.size, used: 0 })) {

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 const WAIT: Duration = Duration::from_millis(20);
 /// Number of polls, `WAIT` apart, until a script times out: two minutes in all, long enough for a busy machine.
-const MOST_WAITS: usize = 6000;
+const MAX_WAITS: usize = 6000;
 
 /// Finds headless Chromium under one of its names. If there is none, prints that the test is skipped.
 fn browser(test: &str) -> Option<&'static str> {
@@ -78,7 +78,7 @@ pub fn act(test: &str, page: &Path, width: usize, address: &str, script: &str) {
 /// Returns the query of the requested address. Skips connections without a request: browsers open some in advance.
 fn answer(listener: &TcpListener) -> Option<String> {
     listener.set_nonblocking(true).ok()?;
-    (0..MOST_WAITS).find_map(|_| {
+    (0..MAX_WAITS).find_map(|_| {
         thread::sleep(WAIT);
         let (stream, _) = listener.accept().ok()?;
         stream.set_read_timeout(Some(Duration::from_secs(1))).ok()?;

@@ -14,7 +14,7 @@ use std::cell::RefCell;
 
 /// The paper's tracker with host-sim's limits on the pixels of a template and the offsets of a search window.
 type Paper = smr_evaluation::Paper;
-type PaperWorkspace = paper::Workspace<{ smr_evaluation::MOST_PIXELS }, { smr_evaluation::MOST_OFFSETS }>;
+type PaperWorkspace = paper::Workspace<{ smr_evaluation::MAX_PIXELS }, { smr_evaluation::MAX_OFFSETS }>;
 
 pub enum Target {
     Paper(Box<Paper>),

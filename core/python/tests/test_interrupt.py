@@ -19,7 +19,7 @@ pytestmark = [
     pytest.mark.skipif(not sys.platform.startswith("linux"), reason="interrupts: no /proc, which lists the children of a process"),
     pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="interrupts: no ffmpeg"),
 ]
-MOST_SECONDS = 1.0
+MAX_SECONDS = 1.0
 
 # Restores Python's handler, because a background job and its child processes ignore interrupts.
 HEAD = """
@@ -125,7 +125,7 @@ def interrupt(script, *arguments, after=0.7, **environment):
         finally:
             watchdog.cancel()
             running.kill()
-    assert seconds < MOST_SECONDS, f"{seconds:.1f} s"
+    assert seconds < MAX_SECONDS, f"{seconds:.1f} s"
     left = [child for child in started if pathlib.Path(f"/proc/{child}").exists()]
     assert not left and error == "", error
     return said
@@ -274,7 +274,7 @@ def test_another_thread_closes_an_iteration(stopped):
     begin = time.monotonic()
     frames.close()
     waiting.join(10)
-    assert time.monotonic() - begin < MOST_SECONDS and len(counts) == 1 and not children(os.getpid())
+    assert time.monotonic() - begin < MAX_SECONDS and len(counts) == 1 and not children(os.getpid())
 
 
 def test_a_handler_may_use_the_package(pipe):

@@ -282,14 +282,14 @@ def test_the_memory_of_commands_is_bounded(world):
     for number in range(200):
         assert one.ask(TRACK, 0.1, 0.1, 0.3 + number / 1000, 0.3) == ACCEPTED
     (receiver,) = camera.receivers.values()
-    assert len(receiver.results) == program.MOST_COMMANDS
+    assert len(receiver.results) == program.MAX_COMMANDS
     for number in range(150):
         one.link.mav.srcSystem = 1 + number
         one.link.mav.command_long_send(*OWN, STOP, 0, 0, 0, 0, 0, 0, 0, 0)
         one.link.mav.srcSystem = 255  # It stays among those that sent last.
         one.link.mav.command_long_send(*OWN, STOP, 0, 0, 0, 0, 0, 0, 0, 0)
         camera.poll()
-    assert len(camera.receivers) == program.MOST_RECEIVERS and receiver in camera.receivers.values()
+    assert len(camera.receivers) == program.MAX_RECEIVERS and receiver in camera.receivers.values()
 
 
 def test_the_interval_is_that_which_was_asked_for(world):

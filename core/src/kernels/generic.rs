@@ -498,7 +498,7 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
             let above = V::minus(V::load(g.wrapping_add(at)), V::load(low.wrapping_add(at)));
             count.add(V::is_above(above, V::load(span.wrapping_add(at))));
             at += V::LANES;
-            if WHOLE == ANY && at.is_multiple_of(Count::<V>::MOST * V::LANES) {
+            if WHOLE == ANY && at.is_multiple_of(Count::<V>::MAX * V::LANES) {
                 count.flush();
             }
         }
@@ -572,7 +572,7 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
                 count.add(V::is_above(below, span));
             }
             at += V::LANES;
-            if WHOLE == ANY && at.is_multiple_of(Count::<V>::MOST * V::LANES) {
+            if WHOLE == ANY && at.is_multiple_of(Count::<V>::MAX * V::LANES) {
                 flush_all(counts);
             }
         }
@@ -625,7 +625,7 @@ struct Count<V> {
 
 impl<V: Vector> Count<V> {
     /// Number of vectors of a row between two flushes: a power of two, below the 255 that a lane can count.
-    const MOST: usize = 128;
+    const MAX: usize = 128;
 
     /// Adds 1 in each lane that is 255 in `counts`. The other lanes of `counts` are 0.
     #[inline(always)]
@@ -842,7 +842,7 @@ unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, 
 }
 
 /// Maximum number of lanes that [`last_lanes`] and [`last`] support.
-const MOST_LANES: usize = 32;
+const MAX_LANES: usize = 32;
 
 /// Mask (255) of the last `width % LANES` lanes, into which [`last`] loads the end of a row.
 ///
@@ -850,9 +850,9 @@ const MOST_LANES: usize = 32;
 /// The processor has the instruction set of the vector.
 #[inline(always)]
 pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
-    const BYTES: [[u8; MOST_LANES]; 2] = [[0; MOST_LANES], [u8::MAX; MOST_LANES]];
+    const BYTES: [[u8; MAX_LANES]; 2] = [[0; MAX_LANES], [u8::MAX; MAX_LANES]];
     // SAFETY: the processor has the instruction set. The vector ends in the second half of the bytes.
-    unsafe { V::load(BYTES.as_flattened().as_ptr().wrapping_add(MOST_LANES - V::LANES + width % V::LANES)) }
+    unsafe { V::load(BYTES.as_flattened().as_ptr().wrapping_add(MAX_LANES - V::LANES + width % V::LANES)) }
 }
 
 /// Loads the end of a row into the last lanes. Earlier lanes hold earlier pixels of the row, or zeroes if `WHOLE` is 0.
@@ -868,9 +868,9 @@ pub(crate) unsafe fn last<V: Vector, const WHOLE: usize>(row: *const u8, width: 
         if WHOLE > 0 {
             return V::load(row.wrapping_add(width).wrapping_sub(V::LANES));
         }
-        let mut pixels = [0; MOST_LANES];
+        let mut pixels = [0; MAX_LANES];
         let row = slice::from_raw_parts(row, width);
         pixels.iter_mut().rev().zip(row.iter().rev()).for_each(|(to, &from)| *to = from);
-        V::load(pixels.as_ptr().wrapping_add(MOST_LANES - V::LANES))
+        V::load(pixels.as_ptr().wrapping_add(MAX_LANES - V::LANES))
     }
 }

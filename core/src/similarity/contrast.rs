@@ -35,7 +35,7 @@ impl Contrast {
 
     /// True only if, for every target of this size, `has_contrast_of` is true and `is_more_clipped_than` false.
     pub(crate) const fn is_enough_for_any(&self) -> bool {
-        LARGEST_CONTRAST_RATIO * self.deviation >= MOST_DEVIATION * self.pixels && 2 * self.clipped <= self.pixels
+        LARGEST_CONTRAST_RATIO * self.deviation >= MAX_DEVIATION * self.pixels && 2 * self.clipped <= self.pixels
     }
 
     /// True if the patch has at least a quarter of the contrast of `target`, which has the same number of pixels.
@@ -50,7 +50,7 @@ impl Contrast {
 }
 
 /// The largest possible mean absolute deviation (127.5, if half of the pixels are 0 and half are 255), rounded up.
-const MOST_DEVIATION: u32 = 128;
+const MAX_DEVIATION: u32 = 128;
 /// The largest ratio of the target's contrast to the contrast of a patch that may still show the target.
 pub(crate) const LARGEST_CONTRAST_RATIO: u32 = 4;
 

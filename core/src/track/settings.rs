@@ -134,7 +134,7 @@ pub trait Settings: Numbers {
     /// # Errors
     /// [`ConfigError`] if the values are not those of a valid configuration.
     fn of_numbers(table: &'static Table, numbers: &[u16]) -> Result<Self, ConfigError> {
-        if ![Self::COUNT, Self::LEAST].contains(&numbers.len()) {
+        if ![Self::COUNT, Self::MIN].contains(&numbers.len()) {
             return Err(ConfigError::WrongCount { name: "the configuration", count: Self::COUNT });
         }
         let (mut config, mut all) = (Self::default(), Self::default().numbers());
@@ -171,7 +171,7 @@ pub trait Numbers: Copy + Default {
     type Array: AsRef<[u16]> + AsMut<[u16]>;
     const COUNT: usize;
     /// The count of values in a record that leaves out the last value, because it is 0.
-    const LEAST: usize;
+    const MIN: usize;
     /// The name of the setting that each value belongs to.
     const NAMES: &'static [&'static str];
     const KIND: Kind;
@@ -188,7 +188,7 @@ pub trait Numbers: Copy + Default {
 pub(super) fn recorded<C: Numbers>(config: &C, add: impl FnMut(u16)) {
     let numbers = config.numbers();
     let numbers = numbers.as_ref();
-    let count = if numbers.last() == Some(&0) { C::LEAST } else { C::COUNT };
+    let count = if numbers.last() == Some(&0) { C::MIN } else { C::COUNT };
     config.table().entries().iter().chain(numbers.iter().take(count)).copied().for_each(add);
 }
 
@@ -308,7 +308,7 @@ macro_rules! settings {
         impl Numbers for Config {
             type Array = [u16; Self::COUNT];
             const COUNT: usize = 0 $(+ of_type!(shape $type).count() $(+ $ones)?)+;
-            const LEAST: usize = Self::COUNT - $least;
+            const MIN: usize = Self::COUNT - $least;
             const NAMES: &'static [&'static str] = &names::<{ Self::COUNT }>(Self::SETTINGS);
             const KIND: Kind = Kind::$kind;
 

@@ -12,7 +12,7 @@ from . import boxes, crops, offsets
 
 SIDES = (14, 60)  # of the piece, in pixels of the reduced frame
 ASPECT = 0.4  # standard deviation of log(width / height) / 2
-LEAST_CONTRAST = 9  # standard deviation of the gray levels in the piece
+MIN_CONTRAST = 9  # standard deviation of the gray levels in the piece
 TURN = 0.08  # standard deviation, radians
 GAIN, OFFSET = 0.2, 15  # standard deviations of log contrast and of brightness
 LARGEST_NOISE = 5
@@ -71,7 +71,7 @@ def box_inside(rng, frame_shape):
 def textured(crop):
     # Measures the contrast of the box only, without its surroundings.
     margin = round(crops.SIDE * (1 - 1 / crops.CONTEXT) / 2)
-    return crop[margin:-margin, margin:-margin].std() > LEAST_CONTRAST
+    return crop[margin:-margin, margin:-margin].std() > MIN_CONTRAST
 
 
 def shape(rng):

@@ -8,7 +8,7 @@ from . import network
 from .progress import Progress
 
 BATCH = 256
-LEARNING_RATE, WARM_UP, LEAST_RATE = 2.5e-3, 200, 1e-6
+LEARNING_RATE, WARM_UP, MIN_RATE = 2.5e-3, 200, 1e-6
 DECAY = 2e-3  # of weights, times the learning rate
 MOMENTUM, SQUARES = 0.9, 0.999
 LARGEST_GRADIENT = 5.0
@@ -17,14 +17,14 @@ UNROUNDED_SHARE = 0.25
 # sides of the box (dx, dy) or in natural logarithms (width, height).
 SMOOTH = 0.03
 # Minimum and maximum of the log spreads that the network predicts for its errors, and the log spread at a network output of 0.
-LEAST_SPREAD, MOST_SPREAD, SPREAD_AT_ZERO = -5.0, 1.0, -1.5
+MIN_SPREAD, MAX_SPREAD, SPREAD_AT_ZERO = -5.0, 1.0, -1.5
 
 
 def loss(parameters, inputs, corrections, rounded):
     """The negative log likelihood of the errors for the spreads that the network predicts: one for the place, one for the size."""
     outputs = network.forward(parameters, inputs, rounded)
     errors = smooth(jnp.abs(outputs[:, :4] - corrections))
-    spreads = jnp.clip(outputs[:, 4:6] + SPREAD_AT_ZERO, LEAST_SPREAD, MOST_SPREAD)
+    spreads = jnp.clip(outputs[:, 4:6] + SPREAD_AT_ZERO, MIN_SPREAD, MAX_SPREAD)
     sums = jnp.stack([errors[:, 0] + errors[:, 1], errors[:, 2] + errors[:, 3]], 1)
     return (sums * jnp.exp(-spreads) + 2 * spreads).sum(1).mean()
 
@@ -34,7 +34,7 @@ def smooth(error):
 
 
 def learning_rate(step, steps):
-    return LEARNING_RATE * (0.5 + 0.5 * jnp.cos(jnp.pi * step / steps)) * jnp.minimum(1, step / WARM_UP) + LEAST_RATE
+    return LEARNING_RATE * (0.5 + 0.5 * jnp.cos(jnp.pi * step / steps)) * jnp.minimum(1, step / WARM_UP) + MIN_RATE
 
 
 def clipped(gradients):

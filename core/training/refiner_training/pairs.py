@@ -10,7 +10,7 @@ from . import boxes, crops, offsets
 FIRST_SHARE, FAR_SHARE = 0.4, 0.6
 NEAR = 60
 TRACKED_SHARE = 0.5
-LEAST_OVERLAP = 0.25
+MIN_OVERLAP = 0.25
 # Random error around the tracker's box, so that two samples with the same box differ.
 AROUND_ANSWER = offsets.Spread(0.05, 0.03, 0.03)
 # Largest absolute element of a sample's correction, in sides of the wrong box or log ratios, and smallest side of the
@@ -49,6 +49,6 @@ def wrong_box(rng, clip, first, present):
     truth = clip.truth[present]
     if first == clip.visible[0] and rng.random() < TRACKED_SHARE:
         answer = clip.tracked[present]
-        if answer is not None and boxes.intersection_over_union(truth, answer) > LEAST_OVERLAP:
+        if answer is not None and boxes.intersection_over_union(truth, answer) > MIN_OVERLAP:
             return offsets.drawn(rng, answer, AROUND_ANSWER), True
     return offsets.drawn(rng, truth), False

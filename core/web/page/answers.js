@@ -4,7 +4,7 @@ const STATES = ["tracking", "leaving", "uncertain", "lost"];
 // Each column's factor from received to stored values: the integer that stands for 1.0 in the trackers and figures.js.
 const UNITS = { x: 1, y: 1, width: 1, height: 1, confidence: 65535, alpha: 1, ratio: 65535, scale: 65536, work: 1, runnerUpRatio: 65535 };
 const COLUMNS = Object.keys(UNITS);
-const LEAST = 1024;
+const MIN = 1024;
 
 export class Answers {
   #targets = new Map(); // the rows by id
@@ -32,7 +32,7 @@ export class Answers {
     }
   }
 
-  /** Removes each target's answers before frame `before` once they span more than LEAST frames. */
+  /** Removes each target's answers before frame `before` once they span more than MIN frames. */
   forget(before) {
     this.#targets.forEach((rows) => rows.forget(before));
   }
@@ -86,8 +86,8 @@ class Rows {
   version = 0;
   first;
   last = 0;
-  #states = new Uint8Array(LEAST); // 0: no answer, else the state + 1
-  #columns = Object.fromEntries(COLUMNS.map((name) => [name, new Float32Array(LEAST)]));
+  #states = new Uint8Array(MIN); // 0: no answer, else the state + 1
+  #columns = Object.fromEntries(COLUMNS.map((name) => [name, new Float32Array(MIN)]));
 
   constructor(first) {
     this.first = first;
@@ -132,9 +132,9 @@ class Rows {
     this.version += 1;
   }
 
-  // Does nothing unless more than LEAST frames can be removed, because a removal moves all arrays.
+  // Does nothing unless more than MIN frames can be removed, because a removal moves all arrays.
   forget(before) {
-    if (before - this.first > LEAST) {
+    if (before - this.first > MIN) {
       this.#move(before, this.#states.length);
     }
   }

@@ -24,7 +24,7 @@ import { Viewport } from "./viewport.js";
 const READINGS_MS = 80;
 const EVENTS_MS = 400;
 const LOADING_MS = 200; // a shorter wait is not worth a word
-const MOST_LATE = 50; // frames
+const MAX_LATE = 50; // frames
 const NEW_COLOR = "#fff";
 const TRAIL = 75; // the last frames through which the path of a target is drawn
 
@@ -303,8 +303,8 @@ function measure() {
     playback.reach(oldest, newest);
     answers.forget(oldest);
     if (playback.followsNewest) {
-      // Shows the newest frame whose boxes are known, but stays at most MOST_LATE frames behind the newest one.
-      playback.goTo(edits.targets.length === 0 || followed === null ? newest : clamp(followed, newest - MOST_LATE, newest));
+      // Shows the newest frame whose boxes are known, but stays at most MAX_LATE frames behind the newest one.
+      playback.goTo(edits.targets.length === 0 || followed === null ? newest : clamp(followed, newest - MAX_LATE, newest));
     }
   }
 }

@@ -8,7 +8,7 @@ import { fileURLToPath } from "node:url";
 import { deflateSync } from "node:zlib";
 import { bundle } from "./bundle.mjs";
 
-const MOST_BYTES = 286_000;
+const MAX_BYTES = 286_000;
 const BUILT = new URL(`${process.env.SMR_WEB ?? "../../../target/web"}/`, import.meta.url);
 const BASE = new URL("../../../host-sim/pages/src/report/base.css", import.meta.url);
 
@@ -54,8 +54,8 @@ const script = inScript(bundle(new URL("page.js", import.meta.url)));
 const parts = { style, script, application: application(), policy: policy(style, script), data: carried(bundle(new URL("worker.js", import.meta.url))) };
 const page = text("index.html").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);
 const size = Buffer.byteLength(page);
-if (size > MOST_BYTES) {
-  throw new Error(`the page has ${size} bytes: expected at most ${MOST_BYTES}`);
+if (size > MAX_BYTES) {
+  throw new Error(`the page has ${size} bytes: expected at most ${MAX_BYTES}`);
 }
 const out = process.argv[2] ?? fileURLToPath(new URL("smr.html", BUILT));
 writeFileSync(out, page);

@@ -4,9 +4,9 @@ import { htmlNode } from "./dom.js";
 import { eachPicture } from "./pictures.js";
 
 const WANTED = { audio: false, video: { width: { ideal: 640 }, height: { ideal: 480 }, frameRate: { ideal: 60 }, facingMode: "environment" } };
-const MOST_BYTES = 96 << 20; // of pictures that are kept
+const MAX_BYTES = 96 << 20; // of pictures that are kept
 // One frame is tracked and one waits. A third one would only be late.
-const MOST_UNDER_WAY = 2;
+const MAX_UNDER_WAY = 2;
 
 const REFUSED = {
   NotAllowedError: "The camera was refused: allow it for this page in the browser, or choose a video file.",
@@ -103,7 +103,7 @@ export class Camera {
 
   async #seen(missed) {
     this.#dropped += missed;
-    if (this.#underWay >= MOST_UNDER_WAY) {
+    if (this.#underWay >= MAX_UNDER_WAY) {
       this.#dropped += 1;
       return;
     }
@@ -134,7 +134,7 @@ export class Camera {
 
   #keep(number, kept) {
     this.#kept.set(number, kept);
-    const oldest = number - Math.floor(MOST_BYTES / (4 * this.width * this.height));
+    const oldest = number - Math.floor(MAX_BYTES / (4 * this.width * this.height));
     this.#kept.get(oldest)?.picture.close();
     this.#kept.delete(oldest);
   }

@@ -5,7 +5,7 @@ import { targetOf, toldOf } from "./edits.js";
 import { isRecording } from "./file-kind.js";
 
 const AGAIN_MS = 1000;
-const MOST_FAILURES = 3;
+const MAX_FAILURES = 3;
 
 export class Connection {
   #revision = 0; // the number of the last change of the targets that this page knows
@@ -45,7 +45,7 @@ export class Connection {
   async listen(heard, gone, now) {
     let failures = 0;
     const parts = []; // of answers that are to be asked for: [target, first frame, last frame]
-    while (failures < MOST_FAILURES) {
+    while (failures < MAX_FAILURES) {
       try {
         const { targets, ...news } = await (await asked(`news?since=${this.#position}${parts.length === 0 ? "" : "&wait=0"}`)).json();
         failures = 0;

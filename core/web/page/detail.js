@@ -1,6 +1,6 @@
 // The visible part of the frame at full resolution, for an enlarged view in which the frame's JPEG is too coarse.
 
-const MOST_SIDE = 640; // pixels of a part that host-sim gives
+const MAX_SIDE = 640; // pixels of a part that host-sim gives
 const REST_MS = 120; // the user has stopped moving, and the frame stays
 
 export class Detail {
@@ -15,7 +15,7 @@ export class Detail {
     [this.#load, this.#came] = [load, came];
   }
 
-  /** Requests the visible part `seen` of a frame once the view rests, if neither side of it exceeds `MOST_SIDE`. */
+  /** Requests the visible part `seen` of a frame once the view rests, if neither side of it exceeds `MAX_SIDE`. */
   want(number, seen, size) {
     const part = around(seen, size);
     const key = `${number} ${Object.values(part)}`;
@@ -24,7 +24,7 @@ export class Detail {
     }
     this.#wanted = key;
     clearTimeout(this.#timer);
-    if (part.width <= MOST_SIDE && part.height <= MOST_SIDE) {
+    if (part.width <= MAX_SIDE && part.height <= MAX_SIDE) {
       this.#timer = setTimeout(() => this.#fetch(key, number, part), REST_MS);
     }
   }

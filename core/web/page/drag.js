@@ -8,7 +8,7 @@ const STEPS = 64;
 const REACH = { touch: 26, pen: 16 };
 const MOUSE_REACH = 10;
 // Longest movement of a pressed pointer, in CSS pixels, that is still a click and not a drag.
-const LEAST_DRAG = 3;
+const MIN_DRAG = 3;
 
 export class Drag {
   #canvas;
@@ -64,7 +64,7 @@ export class Drag {
       this.#canvas.style.cursor = cursorOf(this.#gripAt(event)?.held);
     } else if (event.isPrimary) {
       const to = this.#place(event);
-      this.#isMoved ||= Math.hypot(to.x - this.#from.x, to.y - this.#from.y) > LEAST_DRAG * this.#unit();
+      this.#isMoved ||= Math.hypot(to.x - this.#from.x, to.y - this.#from.y) > MIN_DRAG * this.#unit();
       if (this.#isMoved) {
         this.#propose(this.#dragged(to));
       }

@@ -2,8 +2,8 @@
 
 import { colorOf } from "./colors.js";
 
-const MOST_UNDONE = 500;
-const MOST_UNDER_WAY = 50; // changes that host-sim may still refuse
+const MAX_UNDONE = 500;
+const MAX_UNDER_WAY = 50; // changes that host-sim may still refuse
 
 /** Converts a name to one that a shell and host-sim accept without quotes. */
 export const plainName = (name) => name.trim().replace(/[^\p{L}\p{N}_-]+/gu, "_").replace(/^-+/, "");
@@ -150,8 +150,8 @@ export class Edits {
   // Sets the targets, the chosen one and the history, and stores the former state for `takeBack`.
   #change({ targets, chosen }, past, future) {
     const before = { ...this.#now, past: this.#past, future: this.#future };
-    [this.targets, this.#chosen, this.#past, this.#future] = [targets, chosen, past.slice(-MOST_UNDONE), future];
-    this.#steps = [...this.#steps, { after: targets, before }].slice(-MOST_UNDER_WAY);
+    [this.targets, this.#chosen, this.#past, this.#future] = [targets, chosen, past.slice(-MAX_UNDONE), future];
+    this.#steps = [...this.#steps, { after: targets, before }].slice(-MAX_UNDER_WAY);
   }
 
   #made() {

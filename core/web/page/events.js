@@ -3,7 +3,7 @@
 import { htmlNode } from "./dom.js";
 
 // Minimum length in frames of an event in which a target is uncertain or leaving; a shorter one is flicker.
-const LEAST_FRAMES = 10;
+const MIN_FRAMES = 10;
 const AS_STATE = { locked: "tracking", corrected: "tracking", found: "tracking", back: "tracking" };
 
 /**
@@ -41,7 +41,7 @@ function kindOf({ box }, before) {
 const event = (kind, frame) => ({ kind, frame, until: frame });
 
 function addSpan(events, span) {
-  if (span === null || span.kind === "tracking" || (span.kind !== "lost" && span.frames < LEAST_FRAMES)) {
+  if (span === null || span.kind === "tracking" || (span.kind !== "lost" && span.frames < MIN_FRAMES)) {
     return;
   }
   const { kind, frame, until } = span;

@@ -13,7 +13,7 @@ import { METHODS, TITLES } from "./methods.js";
 import { csv, json } from "./rows.js";
 import { VideoFile } from "./video-file.js";
 
-const MOST_WIDE = 1920; // pixels of a picture of a whole frame
+const MAX_WIDE = 1920; // pixels of a picture of a whole frame
 const FORMATS = [{ name: "csv", several: true }, { name: "json", several: true }, { name: "record", several: true }];
 
 export class Local {
@@ -69,7 +69,7 @@ export class Local {
 
   async picture(number) {
     const whole = { x: 0, y: 0, width: this.#source.width, height: this.#source.height };
-    return this.#cut(number, whole, Math.min(MOST_WIDE / whole.width, 1));
+    return this.#cut(number, whole, Math.min(MAX_WIDE / whole.width, 1));
   }
 
   async part(number, part) {

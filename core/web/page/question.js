@@ -1,7 +1,7 @@
 // Decides when the page asks what a box is for, because a wrong guess would move a target onto something else.
 
-const LEAST_OVERLAP = 1 / 4; // intersection over union
-const LEAST_PART = 1 / 4; // of the former area: a smaller box may be a slip
+const MIN_OVERLAP = 1 / 4; // intersection over union
+const MIN_PART = 1 / 4; // of the former area: a smaller box may be a slip
 
 /**
  * Returns the sentence before the question "new target or correction?"; null if `box` is clearly a correction of the
@@ -13,8 +13,8 @@ export function doubtOf(box, { name, former, isPulled, isLost }) {
     return `${name} is gone in this frame.`;
   }
   const [area, before, common] = [areaOf(box), areaOf(former), commonOf(box, former)];
-  const isElsewhere = !isPulled && !isLost && common < (area + before - common) * LEAST_OVERLAP;
-  if (area >= before * LEAST_PART && !isElsewhere) {
+  const isElsewhere = !isPulled && !isLost && common < (area + before - common) * MIN_OVERLAP;
+  if (area >= before * MIN_PART && !isElsewhere) {
     return null;
   }
   return isElsewhere && common < Math.min(area, before) / 2

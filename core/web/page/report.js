@@ -21,7 +21,7 @@ const CURVES = [
   { title: "Cost, comparisons or products", key: "work", digits: 0 },
 ];
 const OPEN = 2; // curves that are seen at once
-const MOST_STATES = 2; // on the frame
+const MAX_STATES = 2; // on the frame
 
 // Smallest difference in gray levels that is drawn at full brightness.
 const BRIGHTEST = 127;
@@ -152,10 +152,10 @@ function draw() {
   drawing ??= requestAnimationFrame(drawPicture);
 }
 
-/** Returns [title, state] of the first MOST_STATES trackers in a frame, to display in its corner. */
+/** Returns [title, state] of the first MAX_STATES trackers in a frame, to display in its corner. */
 function statesAt(index) {
   const truth = recording.entrants.find(({ isTruth }) => isTruth);
-  const all = recording.entrants.filter(({ states }) => states).slice(0, MOST_STATES);
+  const all = recording.entrants.filter(({ states }) => states).slice(0, MAX_STATES);
   return [...all.map(({ short, states }) => [short, states[index] ?? "not begun"]), ...(truth?.boxes[index] === null ? [["target", "hidden"]] : [])];
 }
 

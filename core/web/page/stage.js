@@ -8,7 +8,7 @@ const LAST_DASH = [4, 4];
 const SHARED_DASH = 10;
 const NEAR = 2.5; // pixels: boxes that differ by less look the same
 const SHADOW = "rgb(0 0 0 / .55)";
-const LETTERS = 14, LEAST_LETTERS = 11;
+const LETTERS = 14, MIN_LETTERS = 11;
 const HANDLE = 9;
 const WIDE_HANDLE = 16; // for fingers
 // Least width of a picture's pixel, in canvas pixels, at which the picture is drawn unsmoothed to show its pixels.
@@ -117,7 +117,7 @@ export function stateWords(number, states) {
 
 // Draws the text in the corner, in smaller letters if the frame is narrow.
 function drawWords(context, words, width) {
-  const wanted = Math.max(width / 40, LEAST_LETTERS);
+  const wanted = Math.max(width / 40, MIN_LETTERS);
   context.font = font(wanted);
   const { width: long } = context.measureText(words.map(({ text }) => text).join(""));
   const size = Math.min(1, (width - wanted) / long) * wanted;

@@ -7,7 +7,7 @@ import { palette } from "./palette.js";
 const WORST_LAST = [undefined, "tracking", "leaving", "uncertain", "lost"];
 // Largest number of frames whose states are read in one drawing. A long video takes several drawings.
 const BUDGET = 10_000;
-const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6, LEAST_HEIGHT = 32;
+const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6, MIN_HEIGHT = 32;
 // Milliseconds after which the playhead leaves the frame to which the user moved it, if that frame cannot be shown.
 const PATIENCE_MS = 1000;
 
@@ -100,7 +100,7 @@ export class Timeline {
     }
     const head = this.#wanted ?? frame;
     const ofStrips = strips.reduce((sum, { isChosen }) => sum + stripHeight(isChosen) + GAP, 0);
-    const height = `${Math.max(MARKS + ofStrips + BELOW, LEAST_HEIGHT)}px`;
+    const height = `${Math.max(MARKS + ofStrips + BELOW, MIN_HEIGHT)}px`;
     if (this.#canvas.style.height !== height) {
       this.#canvas.style.height = height;
     }

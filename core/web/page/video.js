@@ -15,13 +15,13 @@ const UNEVEN = 1.2;
 // Tolerance in seconds when times are compared: less than the resolution of times in files.
 const TIME_EPSILON = 0.0005;
 // Count of decoded pictures in the queue at which the video pauses.
-const MOST_WAITING = 3;
+const MAX_WAITING = 3;
 // Playback rate, while pictures are taken from the queue fast enough.
 const SPEED = 2;
 // Factor by which a skipped picture slows the playback, and count of pictures without a skip that undo one slowing.
 const SLOWER = 0.8, PATIENCE = 10;
 // Lower bound of the product of all `SLOWER` factors: at a lower playback rate, seeking to each picture is faster.
-const LEAST_PART = 0.3;
+const MIN_PART = 0.3;
 // Longest wait for a picture after a seek (ms), and the largest numbers of such waits: `WAITS` while the old picture
 // may still be shown, `WAITS_FOR_ANY` while no picture is available.
 const LATE_MS = 150, WAITS = 2, WAITS_FOR_ANY = 100;
@@ -273,7 +273,7 @@ export class Video {
 
   #roll() {
     const video = this.#video;
-    if (this.#seeks > 0 || this.#queue.length >= MOST_WAITING || this.#isEnding) {
+    if (this.#seeks > 0 || this.#queue.length >= MAX_WAITING || this.#isEnding) {
       return;
     }
     if (video.ended) {
@@ -423,7 +423,7 @@ export class Video {
         return;
       }
       if (next.time < time - TIME_EPSILON) {
-        [this.#part, this.#unskipped] = [Math.max(this.#part * SLOWER, LEAST_PART), 0];
+        [this.#part, this.#unskipped] = [Math.max(this.#part * SLOWER, MIN_PART), 0];
       }
       this.#add(next, number + 1);
     });
@@ -451,7 +451,7 @@ export class Video {
       this.#known.counted = number;
     }
     this.#queue.push({ picture, time, number });
-    if (this.#queue.length >= MOST_WAITING) {
+    if (this.#queue.length >= MAX_WAITING) {
       this.#video.pause();
     }
     this.#send();
@@ -464,7 +464,7 @@ export class Video {
       this.#last = { number, time };
       number === this.#asked.number ? this.#answer(picture) : picture.close();
     }
-    if (this.#video.paused && this.#queue.length < MOST_WAITING - 1) {
+    if (this.#video.paused && this.#queue.length < MAX_WAITING - 1) {
       this.#roll();
     }
   }

@@ -1,7 +1,7 @@
 // A loader and cache of the pictures of frames: loads requested ones, a few at a time, and keeps the last ones.
 
-const MOST_UNDER_WAY = 2;
-const MOST_BYTES = 96 << 20;
+const MAX_UNDER_WAY = 2;
+const MAX_BYTES = 96 << 20;
 
 export class Pictures {
   #load;
@@ -34,7 +34,7 @@ export class Pictures {
   }
 
   #next() {
-    while (this.#wanted !== null && this.#underWay.size < MOST_UNDER_WAY) {
+    while (this.#wanted !== null && this.#underWay.size < MAX_UNDER_WAY) {
       const number = this.#wanted.find((one) => !this.#kept.has(one) && !this.#underWay.has(one));
       if (number === undefined) {
         return;
@@ -66,7 +66,7 @@ export class Pictures {
     this.#kept.set(number, picture);
     this.#bytes += bytesOf(picture);
     for (const [other, old] of this.#kept) {
-      if (this.#bytes <= MOST_BYTES) {
+      if (this.#bytes <= MAX_BYTES) {
         return;
       }
       if (other !== number && !this.#wanted.includes(other)) {

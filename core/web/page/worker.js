@@ -9,7 +9,7 @@ import { scene } from "./scene.js";
 import { unpacked } from "./unpacked.js";
 
 const RECORD_BYTES = 6 << 20; // of each target's flight record
-const MOST_BYTES = 96 << 20; // of frames that are kept
+const MAX_BYTES = 96 << 20; // of frames that are kept
 
 /** A cache of the last frames by number, limited in bytes. */
 class Frames {
@@ -24,7 +24,7 @@ class Frames {
     this.#forget(number);
     this.#kept.set(number, frame);
     this.#bytes += frame.data.length;
-    while (this.#bytes > MOST_BYTES) {
+    while (this.#bytes > MAX_BYTES) {
       this.#forget(this.#kept.keys().next().value);
     }
   }

@@ -7,7 +7,7 @@ import { join } from "node:path";
 
 const PROGRAM = process.env.CHROMIUM ?? "chromium";
 // Longest wait in seconds for a condition. It is long because other steps of `.ci/run` may keep the processors busy.
-const MOST_SECONDS = 120;
+const MAX_SECONDS = 120;
 
 export function hasBrowser() {
   return spawnSync(PROGRAM, ["--version"]).status === 0;
@@ -139,7 +139,7 @@ export class Page {
   }
 
   /** Waits until an expression is true; returns its value. */
-  async until(expression, seconds = MOST_SECONDS) {
+  async until(expression, seconds = MAX_SECONDS) {
     const end = Date.now() + 1000 * seconds;
     for (;;) {
       const value = await this.value(expression);

@@ -35,12 +35,12 @@ pub use variant::{Configs, Origin, Variant};
 pub use vot::Vot;
 
 /// Maximum number of pixels of a template, for example 256x256: a larger one could overflow the 32 bits of a score.
-pub const MOST_PIXELS: usize = 65536;
+pub const MAX_PIXELS: usize = 65536;
 
 /// Maximum number of offsets of a search window per axis, enough to search all of a frame of about 4000x4000 pixels.
-pub const MOST_OFFSETS: usize = 4096;
+pub const MAX_OFFSETS: usize = 4096;
 
-pub type Paper = smr_core::Paper<MOST_PIXELS, MOST_OFFSETS>;
+pub type Paper = smr_core::Paper<MAX_PIXELS, MAX_OFFSETS>;
 
 #[cfg(test)]
 pub(crate) mod tests {

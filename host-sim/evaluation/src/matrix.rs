@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// Memory limit for the frames of one recording: 1 GiB, some 14000 frames of 320x240 pixels. Once the frames of all
 /// recordings in memory add up to this size, these recordings are measured before more are read.
-const MOST_BYTES: u64 = 1 << 30;
+const MAX_BYTES: u64 = 1 << 30;
 const MIB: u64 = 1 << 20;
 
 pub struct Measured {
@@ -117,7 +117,7 @@ pub(super) fn measure<'a, P: Protocol>(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> (Vec<Record<'a, P::Figures>>, Vec<Error>) {
     let read = |&place: &usize| {
-        let recording = Recording::read(open(place)?, MOST_BYTES)?;
+        let recording = Recording::read(open(place)?, MAX_BYTES)?;
         Ok(Held { place, cases: protocol.cases(place, &recording)?, recording })
     };
     let record = |&(held, variant): &(&Held, &'a Variant)| {
@@ -142,7 +142,7 @@ pub(super) fn measure<'a, P: Protocol>(
     {
         separate(part.par_iter().map(read).collect(), &mut all_held, &mut failures);
         let bytes: u64 = all_held.iter().map(|held| held.recording.bytes()).sum();
-        if bytes < MOST_BYTES && parts.peek().is_some() {
+        if bytes < MAX_BYTES && parts.peek().is_some() {
             continue;
         }
         let pairs: Vec<_> =
@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn a_recording_is_kept_whole() {
-        let recording = Recording::read(sequence(), MOST_BYTES).unwrap();
+        let recording = Recording::read(sequence(), MAX_BYTES).unwrap();
         assert_eq!((recording.frames.len(), recording.bytes()), (3, 3 << 19));
         assert_eq!(recording.bounds(), Rect::new(0, 0, 1024, 512));
     }

@@ -60,11 +60,11 @@ impl fmt::Display for Refused {
             }
             LockError::BoxTooLarge => {
                 let pixels = u64::from(width) * u64::from(height);
-                let most = if self.kind.is_core() { crate::MOST_PIXELS as u64 } else { MAX_PIXELS.into() };
+                let most = if self.kind.is_core() { crate::MAX_PIXELS as u64 } else { MAX_PIXELS.into() };
                 write!(f, "has {pixels} pixels; the tracker {tracker} takes at most {most}")
             }
             LockError::WindowTooLarge => {
-                let most = crate::MOST_OFFSETS;
+                let most = crate::MAX_OFFSETS;
                 write!(
                     f,
                     "could be looked for in a window of more than {most} offsets on an axis; the tracker {tracker} takes at most {most}"
@@ -91,7 +91,7 @@ mod tests {
         let large = refused(MethodKind::Smr, LockError::BoxTooLarge).to_string();
         let expected = format!(
             "the box 1,2,300,250 (x,y,width,height) has 75000 pixels; the tracker smr takes at most {}",
-            crate::MOST_PIXELS
+            crate::MAX_PIXELS
         );
         assert_eq!(large, expected);
         let outside = refused(MethodKind::Lk, LockError::BoxOutsideFrame).to_string();

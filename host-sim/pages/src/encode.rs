@@ -37,14 +37,14 @@ pub(crate) fn rgb_png(size: (u32, u32), rgb: &[u8]) -> Result<Vec<u8>> {
 }
 
 /// Largest width and height, in pixels, of a part that is cropped from a frame.
-const MOST_SIDE: i32 = 640;
+const MAX_SIDE: i32 = 640;
 
-/// Encodes a rectangle (left, top, width, height) of the frame as PNG. It is clipped to the frame and to `MOST_SIDE`;
+/// Encodes a rectangle (left, top, width, height) of the frame as PNG. It is clipped to the frame and to `MAX_SIDE`;
 /// `None` if no pixel is left.
 pub(crate) fn part_png(frame: &ColorFrame, [x, y, width, height]: [i32; 4]) -> Result<Option<Vec<u8>>> {
     let span = |from: i32, length: i32, end: u16| -> Result<Range<usize>> {
         let first = from.clamp(0, end.into());
-        let last = from.saturating_add(length).clamp(first, i32::from(end).min(first + MOST_SIDE));
+        let last = from.saturating_add(length).clamp(first, i32::from(end).min(first + MAX_SIDE));
         Ok(first.try_into()?..last.try_into()?)
     };
     let (columns, rows) = (span(x, width, frame.width)?, span(y, height, frame.height)?);

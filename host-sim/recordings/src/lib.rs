@@ -82,7 +82,7 @@ impl Frame {
 }
 
 /// Largest number of pixels in a frame, 16384x16384. A larger frame is refused before memory is allocated for it.
-const MOST_PIXELS: u64 = 1 << 28;
+const MAX_PIXELS: u64 = 1 << 28;
 
 impl GrayFrame {
     /// Draws a frame row by row; `level` returns the gray level of the pixel (x, y).

@@ -1,6 +1,6 @@
 //! Scales the frames and boxes of a recording to another size.
 
-use super::{Frame, MOST_PIXELS, Raster, Sequence};
+use super::{Frame, MAX_PIXELS, Raster, Sequence};
 use anyhow::{Context, Result, bail, ensure};
 use rgb::FromSlice as _;
 use std::fmt;
@@ -62,7 +62,7 @@ impl Sequence {
         let (old_width, old_height) = (first.gray.width, first.gray.height);
         let (width, height) = resize.size(old_width, old_height)?;
         let pixels = u64::from(width) * u64::from(height);
-        ensure!(pixels <= MOST_PIXELS, "--resize to {width}x{height}: expected at most {MOST_PIXELS} pixels");
+        ensure!(pixels <= MAX_PIXELS, "--resize to {width}x{height}: expected at most {MAX_PIXELS} pixels");
         let scale = (f64::from(width) / f64::from(old_width), f64::from(height) / f64::from(old_height));
         let frames = std::iter::once(Ok(first)).chain(frames).map(move |frame: Result<Frame>| {
             let frame = frame?;

@@ -8,14 +8,14 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MOST_PIXELS (640 * 480)
+#define MAX_PIXELS (640 * 480)
 
 /* Number of frames to read; later ones are ignored. */
-#ifndef MOST
-#define MOST UINT16_MAX
+#ifndef MAX
+#define MAX UINT16_MAX
 #endif
 
-static uint8_t frame[MOST_PIXELS], pixels[WINDOW * WINDOW];
+static uint8_t frame[MAX_PIXELS], pixels[WINDOW * WINDOW];
 
 __attribute__((noinline)) void smr_ticks(void)
 {
@@ -46,9 +46,9 @@ int main(void)
         return 1;
     const size_t size = (size_t)header[0] * header[1];
     place at = {header[3], header[4]};
-    if (size > MOST_PIXELS)
+    if (size > MAX_PIXELS)
         return 1;
-    for (int number = 0; number < least(header[2], MOST); number++) {
+    for (int number = 0; number < least(header[2], MAX); number++) {
         if (fread(frame, size, 1, in) != 1)
             return 1;
         place corner;

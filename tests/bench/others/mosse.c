@@ -11,7 +11,7 @@
 
 #define PIXELS (SIDE * SIDE)
 #define LEARNING_RATE 0.125f
-#define LEAST_B 1.0f
+#define MIN_B 1.0f
 #define TWO_SIGMA_SQUARED 100.0f
 
 typedef struct complex_number {
@@ -156,7 +156,7 @@ place find(window in, place last)
     see(in, last);
     for (int i = 0; i < PIXELS; i++) {
         const complex_number response = times(a[i], spectrum[i]);
-        const float scale = 1 / (b[i] + LEAST_B);
+        const float scale = 1 / (b[i] + MIN_B);
         spectrum[i] = (complex_number){response.re * scale, response.im * scale};
     }
     both_ways(spectrum, inverse);

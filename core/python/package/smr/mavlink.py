@@ -30,10 +30,10 @@ PRESETS = {"refined": Robust, "robust": Robust, "camera": Paper, "paper": Paper}
 COASTING = 8  # CAMERA_TRACKING_STATUS_FLAGS_COASTING, which older versions of pymavlink do not name.
 STREAMS = {"rtsp": mavlink.VIDEO_STREAM_TYPE_RTSP, "udp": mavlink.VIDEO_STREAM_TYPE_RTPUDP, "tcp": mavlink.VIDEO_STREAM_TYPE_TCP_MPEG}
 RADIUS = 0.05  # What a point gets that comes without one, as a part of the frame's width.
-LEAST_SIDE = 16  # The least side of the box around a point, in pixels: a smaller one shows too little of the target.
-MOST_MESSAGES = 1000  # Taken between two frames, so that a flood of them does not stop the tracker.
-MOST_RECEIVERS = 100  # Whose intervals and commands are kept.
-MOST_COMMANDS = 8  # Of each receiver, whose results are kept for when it sends them again.
+MIN_SIDE = 16  # The least side of the box around a point, in pixels: a smaller one shows too little of the target.
+MAX_MESSAGES = 1000  # Taken between two frames, so that a flood of them does not stop the tracker.
+MAX_RECEIVERS = 100  # Whose intervals and commands are kept.
+MAX_COMMANDS = 8  # Of each receiver, whose results are kept for when it sends them again.
 DOUBLED = 1.0  # Seconds in which the same packet is a copy: a sender counts its packets, in 8 bits.
 HEARTBEAT = 1.0  # In seconds, as MAVLink wants it.
 TICK = 0.01  # The longest wait for a frame, in seconds, before messages are taken.
@@ -63,7 +63,7 @@ class Receiver:
         key = identity(message)
         self.results.pop(key, None)
         self.results[key] = result, message.get_msgbuf(), time.monotonic()
-        if len(self.results) > MOST_COMMANDS:
+        if len(self.results) > MAX_COMMANDS:
             del self.results[next(iter(self.results))]
 
 
@@ -162,7 +162,7 @@ class Camera:
             if not was_stale:
                 say(f"frame {self.number}: no new frame for {self.patience:g} s")
             self.send_status(None, at_once=not was_stale)
-        for _ in range(MOST_MESSAGES):
+        for _ in range(MAX_MESSAGES):
             message = self.connection.recv_msg()
             if message and message.get_type() in ("COMMAND_LONG", "COMMAND_INT"):
                 self.command(message)
@@ -178,7 +178,7 @@ class Camera:
         sender = message.get_srcSystem(), message.get_srcComponent()
         key = (self.addresses.newest, *sender)
         self.receiver = self.receivers[key] = self.receivers.pop(key, None) or Receiver()  # The last one is the newest.
-        if len(self.receivers) > MOST_RECEIVERS:
+        if len(self.receivers) > MAX_RECEIVERS:
             del self.receivers[next(iter(self.receivers))]
         result, after = self.receiver.result(message), None
         if result is None:
@@ -218,7 +218,7 @@ class Camera:
         if not (0 <= x <= 1 and 0 <= y <= 1) or radius > 1 or radius < 0:
             raise ValueError(f"expected a point and a radius of 0 to 1, found {listed((x, y, radius))}")
         height, width = self.frame.shape[:2]
-        side = max(LEAST_SIDE, 2 * width * (radius if radius > 0 else RADIUS))  # NaN is no radius.
+        side = max(MIN_SIDE, 2 * width * (radius if radius > 0 else RADIUS))  # NaN is no radius.
         return self.lock((x * width - side / 2, y * height - side / 2, side, side), mavlink.CAMERA_TRACKING_MODE_POINT)
 
     def lock(self, box, mode):

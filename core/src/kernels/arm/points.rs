@@ -22,7 +22,7 @@ pub(crate) struct Points {
 
 impl Points {
     /// Points of a pixel with difference 0, the maximum.
-    pub(super) const MOST: u8 = u8::MAX;
+    pub(super) const MAX: u8 = u8::MAX;
 
     pub(crate) const NONE: Self = Self { largest: 0, rate: 0, chord: 0 };
 
@@ -30,7 +30,7 @@ impl Points {
     pub(crate) fn set(&mut self, entries: &[u16; 256], threshold: u16) {
         *self = Self::NONE;
         if let Some(largest) = u8::try_from(threshold).ok().and_then(|threshold| threshold.checked_sub(1)) {
-            let (most, one) = (u32::from(Self::MOST), u32::from(ONE));
+            let (most, one) = (u32::from(Self::MAX), u32::from(ONE));
             let (mut rate, mut chord) = (u32::MAX, one);
             for (d, &p) in rolled((0..).zip(entries.iter().take(usize::from(threshold)))) {
                 let p = u32::from(p);
@@ -53,15 +53,15 @@ impl Points {
         // The rate is at most 255 * 2^24 / 65535, its value for equal pixels, so the quotient fits in a `u32`.
         let of_score = u32::try_from((u64::from(floor) * u64::from(self.rate)).div_ceil(1 << 24)).unwrap_or(u32::MAX);
         let lost = (pixels * u32::from(ONE)).saturating_sub(floor);
-        let lacking = lost / self.chord.clamp(1, u32::from(ONE / u16::from(Self::MOST)));
-        (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
+        let lacking = lost / self.chord.clamp(1, u32::from(ONE / u16::from(Self::MAX)));
+        (pixels * u32::from(Self::MAX)).saturating_sub(lacking).max(of_score)
     }
 
     /// Initial margins of four offsets: the maximum sum of points minus `needed`, but a negative number if the offset's
     /// bit in `wanted` is 0. A loop then subtracts (255 - points) of each pixel. A negative margin excludes the offset.
     #[inline(always)]
     pub(super) fn initial_margins(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
-        let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();
+        let start = u32::from(Self::MAX).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();
         [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start })
     }
 
@@ -69,7 +69,7 @@ impl Points {
     #[inline(always)]
     pub(super) fn of_row(rows: &Rows) -> u32 {
         #[allow(clippy::cast_possible_truncation)] // at most 65535 columns
-        u32::from(Self::MOST).wrapping_mul(rows.width as u32)
+        u32::from(Self::MAX).wrapping_mul(rows.width as u32)
     }
 }
 

@@ -33,7 +33,7 @@ const TOP: u32 = !LOWER;
 const UNROLLED: usize = if cfg!(target_arch = "arm") { 4 } else { 8 };
 
 /// Maximum number of words in a row: each word adds at most 1 to each byte of a sum, which holds up to 255.
-const MOST_WORDS: usize = 255;
+const MAX_WORDS: usize = 255;
 
 pub(crate) struct Swar<'a> {
     plain: Plain<'a>,
@@ -427,7 +427,7 @@ fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Optio
     let end = from + (height - 1) * blocks.stride + count * LANES;
     let (low, high, (pixels, stride)) = (blocks.low, blocks.high, template.parts());
     let are_aligned = (low.as_ptr().addr() | high.as_ptr().addr() | blocks.stride).is_multiple_of(LANES);
-    if !are_aligned || end > low.len().min(high.len()) || count > MOST_WORDS {
+    if !are_aligned || end > low.len().min(high.len()) || count > MAX_WORDS {
         return Some(full);
     }
     let mut row = Row {

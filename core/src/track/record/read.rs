@@ -13,11 +13,11 @@ use crate::track::saved::Reader;
 use crate::track::{Answer, Settings, State};
 use core::{fmt, mem};
 
-/// `TABLE`: number of entries in a similarity table. `MOST`: maximum number of a configuration's other values.
+/// `TABLE`: number of entries in a similarity table. `MAX`: maximum number of a configuration's other values.
 const TABLE: usize = 256;
-const MOST: usize = 32;
+const MAX: usize = 32;
 /// The largest content of an `SMRB` in any version, in bytes.
-const MOST_BEGIN: usize = 640;
+const MAX_BEGIN: usize = 640;
 /// The bytes of damaged entries that are checksummed for each byte of the record.
 const DAMAGED: usize = 8;
 
@@ -127,7 +127,7 @@ impl Begin<'_> {
         let mut tables = [&Table::PAPER, rest.table()].into_iter();
         let table = tables.find(|table| table.entries().iter().copied().eq(entries.clone()))?;
         numbers.nth(TABLE - 1)?;
-        let (mut all, count) = ([0; MOST], numbers.len());
+        let (mut all, count) = ([0; MAX], numbers.len());
         all.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
         let found = C::of_numbers(table, all.get(..count)?).ok().filter(|_| self.tracker == C::KIND as u8)?;
         let mut config = *rest;
@@ -311,7 +311,7 @@ impl<'a> Claim<'a> {
     /// True for an `SMRB` that any version can have written. No two of them begin within 12 bytes, and each is small, so
     /// the work to check all of them is at most (640 + 16) / 12 bytes for each byte of the record.
     const fn is_begin(&self) -> bool {
-        matches!(self.tag, Tag::Begin) && self.number == 0 && self.content.len() <= MOST_BEGIN
+        matches!(self.tag, Tag::Begin) && self.number == 0 && self.content.len() <= MAX_BEGIN
     }
 
     fn is_intact(&self) -> bool {

@@ -22,19 +22,19 @@ pub const REACH: u16 = 8;
 /// The count of filter offsets on each axis of the largest search window. Neighbouring offsets are one cell apart.
 pub(crate) const SPAN: usize = 2 * REACH as usize + 1;
 /// Pixels of the largest template. The target is resampled to a grid on which it has about this many pixels.
-pub(super) const MOST_PIXELS: usize = 1600;
+pub(super) const MAX_PIXELS: usize = 1600;
 /// Cells of the largest correlation filter.
-pub(super) const MOST_CELLS: usize = 200;
+pub(super) const MAX_CELLS: usize = 200;
 /// Weights of the largest correlation filter.
-pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
+pub(super) const WEIGHTS: usize = MAX_CELLS * CHANNELS;
 /// The minimum and the maximum side of the correlation filter, in cells.
-pub(super) const LEAST_SIDE: u16 = 4;
-pub(super) const MOST_SIDE: u16 = 32;
+pub(super) const MIN_SIDE: u16 = 4;
+pub(super) const MAX_SIDE: u16 = 32;
 /// The filter's side in cells for each grid pixel of the target's side: 7/20. As a cell has 4x4 grid pixels, the
 /// filter's side is 1.4 times the target's.
 pub(super) const COVER: [u32; 2] = [7, 20];
 /// The smallest step of the target's grid, in units of 1/4096 pixel: half a pixel, which enlarges a target twofold.
-pub(super) const LEAST_STEP: u32 = 2048;
+pub(super) const MIN_STEP: u32 = 2048;
 
 /// The floor that is added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for
 /// each pixel of a cell. Without it, noise in flat cells would be amplified to full contrast. A floor near 0 lowers the
@@ -61,9 +61,9 @@ pub(super) const ALIGNMENTS: u16 = 17;
 /// the success rate R is lower by 0.025 +- 0.013.
 pub(super) const REFINED_FROM: u16 = 55_000;
 /// The largest move by the Gauss-Newton step of refinement on each axis, in units of 1/64 pixel of the grid: one pixel.
-pub(super) const MOST_MOVE: i64 = 64;
+pub(super) const MAX_MOVE: i64 = 64;
 /// The largest growth or shrinkage of the target by the Gauss-Newton step of refinement, in units of 1/65536: 2 %.
-pub(super) const MOST_GROWTH: i32 = 1310;
+pub(super) const MAX_GROWTH: i32 = 1310;
 /// The exponent of the damping (Levenberg) of refinement: each diagonal element of the normal equations grows by 2^-6
 /// of itself. Without damping, a target with a single edge could slide along that edge.
 pub(super) const DAMPING: u32 = 6;
@@ -77,14 +77,14 @@ pub(super) const AGREEMENT_RANK: usize = 4;
 /// The minimum and the maximum of the threshold alpha, in gray levels. Two pixels match if they differ by less than
 /// alpha, so a minimum of 2 tolerates a rounding error of 1. With a minimum of 8, a target with little contrast would
 /// match any plain patch (`verification/lighting.rs`).
-pub(super) const LEAST_ALPHA: u32 = 2;
-pub(super) const MOST_ALPHA: u32 = 100;
+pub(super) const MIN_ALPHA: u32 = 2;
+pub(super) const MAX_ALPHA: u32 = 100;
 /// A gain of 1, in units of 1/256: the patch has the contrast of the template.
 pub(super) const ONE_GAIN: u32 = 256;
 /// The largest expected gain of contrast from the template to the patch: a factor of 16, in units of 1/256.
-pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
+pub(super) const MAX_EXPECTED: u32 = 16 * ONE_GAIN;
 /// The minimum contrast of a search window: 1/4 gray level, in units of 1/16. Lower contrasts are raised to it.
-pub(super) const LEAST_WINDOW: u32 = 4;
+pub(super) const MIN_WINDOW: u32 = 4;
 /// The learning rate of the target's `Light`, as a right shift: each learned frame moves the target's `Light` by 2^-3
 /// of the difference to the frame's `Light`. With 2^0 (the whole difference), the share of wrong frames that are
 /// *tracking* would be higher by 0.05, measured on half of the recordings.
@@ -100,13 +100,13 @@ pub(super) const SCALE_PENALTY: i64 = 252;
 /// The radius of the search window at each scale of the scale search, in cells.
 pub(super) const SCALE_REACH: u16 = 1;
 /// The minimum and the maximum scale of a target, relative to its size at the lock.
-pub(super) const LEAST_SCALE: u32 = SCALE / 5;
-pub(super) const MOST_SCALE: u32 = 5 * SCALE;
+pub(super) const MIN_SCALE: u32 = SCALE / 5;
+pub(super) const MAX_SCALE: u32 = 5 * SCALE;
 
 // Evidence and confidence, in units of 1/65536. Evidence sums the agreement (up to 1) and the response (up to 1/2).
 
 /// The largest evidence of a frame for the target: 1.5, in units of 1/65536.
-pub(super) const MOST_EVIDENCE: i32 = 3 << 15;
+pub(super) const MAX_EVIDENCE: i32 = 3 << 15;
 /// The least evidence for the target with which the filter learns from a frame.
 pub(super) const LEARNED_FROM: i32 = 37_500;
 /// The minimum evidence in a search window for finding a lost target there. `FOUND_LEAD` is required as well.
@@ -121,9 +121,9 @@ pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 /// The regularisation lambda of the ridge regression: 0.05 * 318^2, because a feature of 1 is the integer 318.
 pub(super) const REGULARISATION: i64 = 5056;
 /// The largest error of a response, in units of 1/16384: 65535, about 4.0. Larger errors are clamped to it.
-pub(super) const MOST_ERROR: i32 = 65_535;
+pub(super) const MAX_ERROR: i32 = 65_535;
 /// The bound of a 16-bit coded error (`coded_errors`). A sum of 289 products with 8-bit features stays below 2^31.
-pub(super) const MOST_CODED_ERROR: u32 = 16_383;
+pub(super) const MAX_CODED_ERROR: u32 = 16_383;
 /// The squared width of the Gaussian label, as a fraction: (standard deviation / root of the target's area)^2 = 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
 /// The standard deviation of the mask that weights the filter's cells in learning, per pixel of the template's side, in

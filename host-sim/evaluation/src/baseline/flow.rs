@@ -7,7 +7,7 @@ const MAX_STEPS: usize = 30;
 /// Length of a step, in pixels of its pyramid level, below which the iteration ends.
 const MIN_STEP: f64 = 0.005;
 /// Minimum side of a template, in pixels, on the smallest level of the pyramid.
-const LEAST_SIDE: usize = 5;
+const MIN_SIDE: usize = 5;
 /// Margin in pixels around the search window, because gradients at the window's edge need the pixels beyond it.
 const MARGIN: i32 = 2;
 
@@ -34,7 +34,7 @@ pub(super) fn find(
 /// Fits the template on all pyramid levels, smallest first, `scene` last; each fit starts from the previous result.
 fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut start = from;
-    if template.width.min(template.height) / 2 >= LEAST_SIDE {
+    if template.width.min(template.height) / 2 >= MIN_SIDE {
         let half = |place: f64| place / 2.0;
         let limits = limits.map(|(least, most)| (half(least), half(most)));
         let above = coarse_to_fine(&scene.halved(), &template.halved(), from.map(half), limits);

@@ -15,9 +15,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Largest size of all cached gray frames in bytes: seven seconds of 640x480 at 30 frames a second.
-const MOST_GRAY: usize = 64 << 20;
+const MAX_GRAY: usize = 64 << 20;
 /// Largest size of all cached JPEGs in bytes: some minutes of video.
-const MOST_PICTURES: usize = 160 << 20;
+const MAX_PICTURES: usize = 160 << 20;
 
 /// Frame number, and the frame's colors either as luma and chroma planes or as RGB.
 type Colors = (usize, Option<Planes>, Option<ColorFrame>);
@@ -50,8 +50,8 @@ struct State {
 impl State {
     fn new() -> Self {
         Self {
-            gray: FrameCache::new(MOST_GRAY, |came: &ArrivedFrame| came.gray.pixels.len()),
-            pictures: FrameCache::new(MOST_PICTURES, |picture| picture.len()),
+            gray: FrameCache::new(MAX_GRAY, |came: &ArrivedFrame| came.gray.pixels.len()),
+            pictures: FrameCache::new(MAX_PICTURES, |picture| picture.len()),
             newest: 0,
             dropped: 0,
             latency_ms: 0.0,
@@ -287,7 +287,7 @@ mod tests {
             kept.pictures.keep(number, Arc::new(vec![0; 20 << 20]));
         }
         let all = (kept.gray.all().len(), kept.pictures.all().len());
-        assert_eq!(all, (MOST_GRAY >> 23, MOST_PICTURES / (20 << 20)));
+        assert_eq!(all, (MAX_GRAY >> 23, MAX_PICTURES / (20 << 20)));
         drop(kept);
         let error = camera.gray_from(3).err().unwrap().to_string();
         assert_eq!(error, "trackers can go back to frame 13 only: lock in a newer frame");

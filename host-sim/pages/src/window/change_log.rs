@@ -18,8 +18,8 @@ impl TargetSpan {
 }
 
 /// Largest number of discarded frame ranges in the log; a page that has missed older ones reloads everything.
-const MOST_VOID: usize = 1000;
-const MOST_MESSAGES: usize = 4;
+const MAX_VOID: usize = 1000;
+const MAX_MESSAGES: usize = 4;
 
 /// The log of all changes except new answers; each answer is stored with its own position.
 #[derive(Default)]
@@ -51,7 +51,7 @@ impl ChangeLog {
     pub fn void(&mut self, part: TargetSpan) {
         let at = self.next();
         self.void.push_back((at, part));
-        if self.void.len() > MOST_VOID {
+        if self.void.len() > MAX_VOID {
             self.forgotten = self.void.pop_front().map_or(0, |(at, _)| at);
         }
     }
@@ -59,7 +59,7 @@ impl ChangeLog {
     pub fn say(&mut self, line: String) {
         let at = self.next();
         self.messages.push_back((at, line));
-        if self.messages.len() > MOST_MESSAGES {
+        if self.messages.len() > MAX_MESSAGES {
             self.messages.pop_front();
         }
     }
@@ -101,10 +101,10 @@ mod tests {
         assert_eq!(log.after(0), (vec![TargetSpan::all(1)], vec!["one".to_owned()], vec![3, 7]));
         assert_eq!(log.after(1), (vec![TargetSpan::all(1)], vec![], vec![3, 7]));
         assert_eq!((log.after(4), log.after(5), log.end()), ((vec![], vec![], vec![7]), Default::default(), 5));
-        (0..2 * MOST_VOID).for_each(|_| log.void(TargetSpan::all(2)));
+        (0..2 * MAX_VOID).for_each(|_| log.void(TargetSpan::all(2)));
         (0..9).for_each(|_| log.say("more".to_owned()));
         let (void, messages, _) = log.after(0);
-        assert_eq!((void.len(), messages.len()), (MOST_VOID, MOST_MESSAGES));
+        assert_eq!((void.len(), messages.len()), (MAX_VOID, MAX_MESSAGES));
         assert!(log.remembers(0) && !log.remembers(3) && log.remembers(log.forgotten));
     }
 }

@@ -131,9 +131,9 @@ const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
 /// Longest run of unneeded frames that is read and discarded; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
 /// Largest number of trackers in memory, one for each lock; beyond it, trackers whose answers are complete are dropped.
-const MOST_TRACKERS: usize = if cfg!(test) { 8 } else { 64 };
+const MAX_TRACKERS: usize = if cfg!(test) { 8 } else { 64 };
 /// Largest number of answers per segment of a camera: five minutes at 60 frames a second.
-const MOST_LIVE_ROWS: usize = 18_000;
+const MAX_LIVE_ROWS: usize = 18_000;
 
 struct State {
     targets: Vec<Target>,
@@ -236,7 +236,7 @@ impl State {
                     lock.rect().is_none_or(|rect| !rect.is_empty()),
                     "the box of {name} in frame {frame} has no pixels"
                 );
-                let last = self.frames(known).unwrap_or(FrameNumber::MOST);
+                let last = self.frames(known).unwrap_or(FrameNumber::MAX);
                 // A session saved while the recording was longer may contain locks behind the present end.
                 let is_known = self.targets.iter().any(|one| one.id == target.id && one.locks.contains(lock));
                 ensure!(is_known || (1..=last).contains(frame), "there is no frame {frame}: expected 1 to {last}");
@@ -664,7 +664,7 @@ impl Following<'_> {
                         let row = Row { report, shown, quality, time };
                         segment.rows.extend((task.next..number).map(|_| (log.end(), None)));
                         segment.rows.push_back((log.next(), Some(row)));
-                        if is_live && segment.rows.len() > MOST_LIVE_ROWS {
+                        if is_live && segment.rows.len() > MAX_LIVE_ROWS {
                             segment.rows.pop_front();
                             segment.first += 1;
                         }
@@ -682,7 +682,7 @@ impl Following<'_> {
             state.end = state.end.filter(|&end| number <= end);
             state.damaged = state.damaged.filter(|&last| number != last + 1);
             let tasks = state.tasks();
-            if self.trackers.len() > MOST_TRACKERS && !is_live {
+            if self.trackers.len() > MAX_TRACKERS && !is_live {
                 self.trackers.retain(|key, _| tasks.iter().any(|task| task.key == *key));
             }
             !state.stopped

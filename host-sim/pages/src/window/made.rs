@@ -38,7 +38,7 @@ pub(super) struct Progress {
     process: Option<Arc<Process>>,
 }
 
-const MOST: usize = 2;
+const MAX: usize = 2;
 
 /// Files ordered on the page. They are removed when the program that serves the page ends.
 pub struct Made {
@@ -93,7 +93,7 @@ impl Made {
         let Job { name, words, lines } = job;
         let mut all = self.progress();
         let running = all.values().filter(|one| one.process.is_some()).count();
-        ensure!(running < MOST, "{running} files are being made already: wait until one is done");
+        ensure!(running < MAX, "{running} files are being made already: wait until one is done");
         let id = all.last_key_value().map_or(1, |(last, _)| last + 1);
         // The program derives the format to write from the extension of `name`.
         fs::create_dir(self.folder_of(id)).context("cannot make a temporary folder")?;

@@ -13,9 +13,9 @@ use std::{fs, thread};
 
 /// Interval between checks whether the file has grown.
 const LOOKS: Duration = Duration::from_secs(1);
-const MOST_BYTES: usize = 96 << 20;
+const MAX_BYTES: usize = 96 << 20;
 /// Largest number of pixels in all cached full-resolution frames: 64 MB at 3 bytes a pixel.
-const MOST_PIXELS: usize = (64 << 20) / 3;
+const MAX_PIXELS: usize = (64 << 20) / 3;
 /// Largest number of frames to decode one after another to reach a later frame; a seek reaches a farther frame.
 const NEAR: usize = 24;
 /// Extra frames that a backward seek goes back, because a user who steps back will request earlier frames next.
@@ -150,8 +150,8 @@ fn size(path: &Path) -> u64 {
 
 impl Recorded {
     fn new(recording: Seekable) -> Arc<Self> {
-        let pictures = Pictures { kept: FrameCache::new(MOST_BYTES, |picture| picture.len()), reader: None, last: 0 };
-        let colors = FrameCache::new(MOST_PIXELS, |frame: &Arc<ColorFrame>| frame.pixels.len());
+        let pictures = Pictures { kept: FrameCache::new(MAX_BYTES, |picture| picture.len()), reader: None, last: 0 };
+        let colors = FrameCache::new(MAX_PIXELS, |frame: &Arc<ColorFrame>| frame.pixels.len());
         Arc::new(Self { recording, pictures: Mutex::new(pictures), colors: Mutex::new(colors) })
     }
 }

@@ -228,7 +228,7 @@ impl Window {
         let Changes { position, void, changed, rows, messages, made, frames, targets } = heard;
         let (followed, at) = self.followed.reached(self.source.known().frames);
         // JavaScript has no exact integers beyond 2^53.
-        let told = |part: &TargetSpan| json!([part.target, part.from, part.to.min(FrameNumber::MOST)]);
+        let told = |part: &TargetSpan| json!([part.target, part.from, part.to.min(FrameNumber::MAX)]);
         let mut news = json!({
             "position": position,
             "rows": rows.iter().map(row_json).collect::<Vec<_>>(),

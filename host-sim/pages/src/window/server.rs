@@ -29,13 +29,13 @@ use tokio::task::AbortHandle;
 use tokio_io_timeout::TimeoutStream;
 
 /// Largest number of open connections that have not shown the token.
-const MOST_STRANGERS: usize = 128;
+const MAX_STRANGERS: usize = 128;
 /// Time limit for a client to send a header or a body.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Longest time for which a client may read nothing of a reply, in multiples of [`PATIENCE`].
 const READING: u32 = 3;
 /// Largest size of a request's body in bytes, enough for a file with the boxes of a long recording.
-const MOST_BYTES: usize = 16 << 20;
+const MAX_BYTES: usize = 16 << 20;
 
 /// Names of this machine in `Host` and `Origin`.
 const LOOPBACK: [&str; 3] = ["127.0.0.1", "localhost", "[::1]"];
@@ -137,7 +137,7 @@ impl Server {
                 // The task cannot remove its entry before the insertion: it starts only at this thread's next `await`.
                 let mut strangers = door.strangers();
                 strangers.insert(id, task.abort_handle());
-                if strangers.len() > MOST_STRANGERS
+                if strangers.len() > MAX_STRANGERS
                     && let Some((_, oldest)) = strangers.pop_first()
                 {
                     oldest.abort();
@@ -179,7 +179,7 @@ impl Door {
         let query = request.uri().query().unwrap_or("").to_owned();
         let seen = request.headers().get(IF_MATCH).and_then(|value| value.to_str().ok());
         let revision = seen.and_then(|value| value.trim_matches('"').parse().ok());
-        let read = Limited::new(request.into_body(), MOST_BYTES).collect();
+        let read = Limited::new(request.into_body(), MAX_BYTES).collect();
         let body = match tokio::time::timeout(self.server.patience, read).await {
             Ok(Ok(body)) => body.to_bytes().to_vec(),
             Ok(Err(_)) => return reply(Reply::error(413, "the request has more than 16 MiB")),
@@ -373,8 +373,8 @@ mod tests {
         let head =
             format!("POST /{token}/targets HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n", address.port());
         let body = |length: usize| format!("{head}Content-Length: {length}\r\n\r\n{}", "x".repeat(length));
-        assert!(asked(address, &body(MOST_BYTES)).ends_with(&format!("[targets]{MOST_BYTES}")));
-        assert!(asked(address, &body(MOST_BYTES + 1)).starts_with("HTTP/1.1 413"));
+        assert!(asked(address, &body(MAX_BYTES)).ends_with(&format!("[targets]{MAX_BYTES}")));
+        assert!(asked(address, &body(MAX_BYTES + 1)).starts_with("HTTP/1.1 413"));
         assert!(
             asked(address, &head.replace("POST", "DELETE").replace("\r\nConn", "\r\n\r\nConn"))
                 .starts_with("HTTP/1.1 405")

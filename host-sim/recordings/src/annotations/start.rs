@@ -59,7 +59,7 @@ impl Target {
     /// Returns an error if a box lies in a frame beyond the end of the recording. `option` gave the boxes.
     pub fn check_frames(targets: &[Self], first: usize, length: Option<usize>, option: &str) -> Result<()> {
         // A recording without frames is reported elsewhere.
-        let last = length.filter(|&length| length > 0).map_or(FrameNumber::MOST, |length| first + length - 1);
+        let last = length.filter(|&length| length > 0).map_or(FrameNumber::MAX, |length| first + length - 1);
         let starts =
             targets.iter().flat_map(|target| target.starts.iter().map(move |(frame, _)| (*frame, &target.name)));
         let Some((frame, name)) = starts.max_by_key(|(frame, _)| *frame).filter(|(frame, _)| *frame > last) else {

@@ -10,7 +10,7 @@ use quick_xml::{Error, Reader, XmlVersion};
 const DEEPEST_READ: usize = 4;
 const DEEPEST: usize = 64;
 /// Largest number of attributes; a cuboid of CVAT has 24.
-const MOST_ATTRIBUTES: usize = 64;
+const MAX_ATTRIBUTES: usize = 64;
 
 #[derive(Default)]
 pub(super) struct Element {
@@ -26,7 +26,7 @@ impl Element {
     }
 
     fn read(tag: &BytesStart<'_>, at: usize) -> Result<Self, Error> {
-        let read = tag.attributes().take(MOST_ATTRIBUTES + 1).map(|attribute| {
+        let read = tag.attributes().take(MAX_ATTRIBUTES + 1).map(|attribute| {
             let attribute = attribute?;
             let value = attribute.normalized_value(XmlVersion::Implicit1_0)?.into_owned();
             Ok((attribute.key.into_inner().to_owned(), value))
@@ -70,7 +70,7 @@ impl<'a> Steps<'a> {
                     }
                     let element = Element::read(&tag, at).map_err(|error| damaged(self.text, at, &error))?;
                     let count = element.attributes.len();
-                    ensure!(count <= MOST_ATTRIBUTES, "{}: <{}> has too many attributes", line(), element.name);
+                    ensure!(count <= MAX_ATTRIBUTES, "{}: <{}> has too many attributes", line(), element.name);
                     return Ok(Some(Step::Open(element)));
                 }
                 Event::End(_) => {

@@ -6,7 +6,7 @@ use super::nut::{Nut, Packet};
 use super::process::{self, Ffmpeg, Line, MARK};
 use super::tones::Tones;
 use crate::input::Patient;
-use crate::{ColorFrame, Frame, GrayFrame, MOST_PIXELS};
+use crate::{ColorFrame, Frame, GrayFrame, MAX_PIXELS};
 use anyhow::{Context, Result, ensure};
 use std::collections::VecDeque;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -260,7 +260,7 @@ impl Pictures {
     fn packets(&mut self) -> Result<Option<Picture>> {
         let depth = self.depth as u64;
         while self.unpaired.iter().any(VecDeque::is_empty) {
-            let Some(packet) = self.nut.packet(MOST_PIXELS * depth)? else { return Ok(None) };
+            let Some(packet) = self.nut.packet(MAX_PIXELS * depth)? else { return Ok(None) };
             let stream = usize::try_from(packet.stream).ok().and_then(|stream| self.unpaired.get_mut(stream));
             stream.context("ffmpeg has written an unknown stream")?.push_back(packet);
         }
@@ -271,7 +271,7 @@ impl Pictures {
         let height = length / depth / width;
         let sides = u16::try_from(width).ok().zip(u16::try_from(height).ok());
         let (size, bytes) = sides.zip(bytes).with_context(|| {
-            format!("it is {width}x{height}: expected sides of at most 65535 and at most {MOST_PIXELS} pixels")
+            format!("it is {width}x{height}: expected sides of at most 65535 and at most {MAX_PIXELS} pixels")
         })?;
         let bytes = self.tones.as_ref().map(|tones| tones.of_all(&bytes)).unwrap_or(bytes);
         Ok(Some(Picture { size, moment: None, bytes }))

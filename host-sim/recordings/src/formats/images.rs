@@ -7,7 +7,7 @@ use super::{jpeg, pnm};
 use crate::damage::damaged;
 use crate::formats::to_gray::{CONVERT, EXPECTED, Levels, Samples, check_size, orientation, several, unread};
 use crate::input;
-use crate::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
+use crate::{ColorFrame, Frame, GrayFrame, MAX_PIXELS, has_extension};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use png::{DecodingError, Transformations};
 use std::fs::File;
@@ -273,7 +273,7 @@ fn undecodable(error: DecodingError) -> Error {
         DecodingError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
             damaged(format!("{EXPECTED}: it is cut short"), None)
         }
-        DecodingError::LimitsExceeded => anyhow!("it is too large: expected at most {MOST_PIXELS} pixels"),
+        DecodingError::LimitsExceeded => anyhow!("it is too large: expected at most {MAX_PIXELS} pixels"),
         _ => damaged(format!("{EXPECTED}: it is damaged"), None),
     }
 }

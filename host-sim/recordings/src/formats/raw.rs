@@ -1,7 +1,7 @@
 //! A raw dump as a recording: 8-bit gray pixels, row after row, frame after frame, as cameras and scripts write them.
 
 use crate::damage::damaged;
-use crate::{Frame, GrayFrame, MOST_PIXELS, has_extension};
+use crate::{Frame, GrayFrame, MAX_PIXELS, has_extension};
 use anyhow::{Context, Result, ensure};
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -20,7 +20,7 @@ pub(crate) fn open(
     ensure!(width > 0 && height > 0, "--size {width}x{height}: expected at least 1x1");
     let cannot_open = || format!("cannot open {}", file.display());
     let frame = u64::from(width) * u64::from(height);
-    ensure!(frame <= MOST_PIXELS, "--size {width}x{height}: a frame has {frame} bytes: expected at most {MOST_PIXELS}");
+    ensure!(frame <= MAX_PIXELS, "--size {width}x{height}: a frame has {frame} bytes: expected at most {MAX_PIXELS}");
     let dump = File::open(file).with_context(cannot_open)?;
     let data = dump.metadata().with_context(cannot_open)?;
     let length = data.is_file().then(|| usize::try_from(data.len() / frame).ok()).flatten();

@@ -1,6 +1,6 @@
 //! Converts decoded samples to an upright frame in gray or color, and creates errors about pictures.
 
-use crate::{ColorFrame, GrayFrame, MOST_PIXELS, Raster};
+use crate::{ColorFrame, GrayFrame, MAX_PIXELS, Raster};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use std::fmt;
 use std::str::FromStr;
@@ -10,7 +10,7 @@ pub(crate) const EXPECTED: &str = "expected a PNG, JPEG, PGM, PPM or PAM picture
 pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
     let pixels = u64::from(width) * u64::from(height);
     ensure!(pixels > 0, "it is {width}x{height}: expected at least 1 pixel on each side");
-    ensure!(pixels <= MOST_PIXELS, "it is {width}x{height}: expected at most {MOST_PIXELS} pixels");
+    ensure!(pixels <= MAX_PIXELS, "it is {width}x{height}: expected at most {MAX_PIXELS} pixels");
     Ok(())
 }
 

@@ -1,7 +1,7 @@
 //! YUV4MPEG2 (`.y4m`) as a recording or a live source: the luma plane is the gray picture, byte for byte.
 
 use crate::damage::damaged;
-use crate::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
+use crate::{ColorFrame, Frame, GrayFrame, MAX_PIXELS, has_extension};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::{File, Metadata};
 use std::io::{self, BufRead, BufReader, Read, Seek};
@@ -178,7 +178,7 @@ impl Header {
             |across: usize, down: usize| usize::from(width).div_ceil(across) * usize::from(height).div_ceil(down);
         let frame_bytes = plane(1, 1) as u64 + if across == 0 { 0 } else { 2 * plane(across, down) as u64 };
         let has = format!("a frame of {width}x{height} has {frame_bytes} bytes");
-        ensure!(frame_bytes <= MOST_PIXELS, "{has}: expected at most {MOST_PIXELS}");
+        ensure!(frame_bytes <= MAX_PIXELS, "{has}: expected at most {MAX_PIXELS}");
         // Requires the frame rate (F) and the pixel aspect (A) to be ratios, which tells a header from other text.
         let is_ratio =
             |text: &str| text.split_once(':').is_some_and(|(a, b)| [a, b].iter().all(|n| n.parse::<u64>().is_ok()));

@@ -129,7 +129,7 @@ pub(super) unsafe fn point_margins(pair: &Rows, points: &Points, needed: u32, wa
             g = inout(reg) pair.template => _,
             w = out(reg) _, end = out(reg) _,
             largest = in(reg) in_lanes(points.largest),
-            most = in(reg) in_lanes(Points::MOST),
+            most = in(reg) in_lanes(Points::MAX),
             a = inout(reg) *a,
             b = inout(reg) *b,
             c = inout(reg) *c,

@@ -1,7 +1,7 @@
 //! Upper bound of the comparisons of a search, even if no offset can be excluded. Counted as in `scan.rs`.
 
 use super::exclusion::{Ranges, SIDE};
-use super::scan::{MOST_STEPS, SAD_STEP, first_step_of};
+use super::scan::{MAX_STEPS, SAD_STEP, first_step_of};
 
 /// The sizes that determine the work of a search.
 pub(crate) struct Extent {
@@ -35,7 +35,7 @@ impl Extent {
             return self.pixels();
         }
         let sad = u64::from(self.template.0) * u64::from(self.template.1.div_ceil(SAD_STEP));
-        2 * self.pixels() + sad * (1 + 8 * u64::from(step.ilog2() + 1).min(wide(MOST_STEPS)))
+        2 * self.pixels() + sad * (1 + 8 * u64::from(step.ilog2() + 1).min(wide(MAX_STEPS)))
     }
 
     /// Upper bound of the comparisons for the peak: scoring every offset and bounding every group of the window once.

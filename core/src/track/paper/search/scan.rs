@@ -157,7 +157,7 @@ fn first_step(window: &Window) -> u8 {
 pub(super) fn first_step_of((columns, rows): (usize, usize)) -> u8 {
     match columns * rows / 128 {
         0 => 0,
-        steps => 1 << (steps - 1).min(MOST_STEPS - 1),
+        steps => 1 << (steps - 1).min(MAX_STEPS - 1),
     }
 }
 
@@ -165,7 +165,7 @@ pub(super) fn first_step_of((columns, rows): (usize, usize)) -> u8 {
 pub(super) const SAD_STEP: u16 = 4;
 
 /// The largest number of steps of a descent, which reaches 15 pixels. Farther away, exclusion by ranges is faster.
-pub(super) const MOST_STEPS: usize = 4;
+pub(super) const MAX_STEPS: usize = 4;
 
 /// Element `number` of (-`step`, 0, `step`).
 fn step_offset(number: usize, step: u8) -> i32 {

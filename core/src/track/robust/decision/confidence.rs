@@ -11,7 +11,7 @@
 //! learns, so its agreement adds up to 1. A patch that cannot show the target has no evidence. Unit: 1/65536.
 
 use super::super::config::Config;
-use super::super::constants::{CONFIDENCE_LEAD, FOUND_FROM, FOUND_LEAD, LEARNED_FROM, MOST_EVIDENCE, ONE};
+use super::super::constants::{CONFIDENCE_LEAD, FOUND_FROM, FOUND_LEAD, LEARNED_FROM, MAX_EVIDENCE, ONE};
 use super::super::verification::Candidate;
 use crate::track::State;
 
@@ -47,7 +47,7 @@ impl Evidence {
 pub(crate) struct Confidence(i32);
 
 impl Confidence {
-    pub(super) const FULL: Self = Self(MOST_EVIDENCE);
+    pub(super) const FULL: Self = Self(MAX_EVIDENCE);
 
     /// The confidence in a target that the refiner gives up: only redetection can find it again.
     pub(crate) const NONE: Self = Self(0);
@@ -65,7 +65,7 @@ impl Confidence {
 
     /// Restores a saved mean; `None` if it is out of range.
     pub(crate) const fn restore(mean: i32) -> Option<Self> {
-        if 0 <= mean && mean <= MOST_EVIDENCE { Some(Self(mean)) } else { None }
+        if 0 <= mean && mean <= MAX_EVIDENCE { Some(Self(mean)) } else { None }
     }
 
     pub(crate) fn after(self, evidence: Evidence, patience: u8) -> Self {
@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(Evidence::new(0, -ONE), Evidence(0));
         assert_eq!(
             [ONE / 2, 9 * ONE].map(|response| Evidence::new(u16::MAX, response)),
-            [Evidence(MOST_EVIDENCE - 1); 2]
+            [Evidence(MAX_EVIDENCE - 1); 2]
         );
         assert_eq!([Confidence::FULL, Confidence::NONE].map(Confidence::value), [u16::MAX, 0]);
     }
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn a_target_that_was_found_is_not_lost_and_not_yet_tracked() {
-        for evidence in [0, FOUND_FROM, MOST_EVIDENCE] {
+        for evidence in [0, FOUND_FROM, MAX_EVIDENCE] {
             let found = Confidence::found(Evidence(evidence), &Config::robust());
             assert_eq!(found.state(&Config::robust()), State::Uncertain, "{evidence}");
         }

@@ -1,7 +1,7 @@
 //! The memory of a target from frame to frame (track, filter, early template, refiner), and its saved form.
 
 use super::super::config::Config;
-use super::super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS, WEIGHTS};
+use super::super::constants::{CHANNELS, MAX_CELLS, MAX_PIXELS, PIXEL_BITS, WEIGHTS};
 use super::super::features::{Grid, Motion, Place};
 use super::super::filter::{Filter, scale};
 use super::super::refiner::{self, First, Review};
@@ -17,7 +17,7 @@ use crate::track::{Quality, RestoreError, SaveError};
 /// Bytes of a saved track.
 const TRACK: usize = 62;
 pub(crate) const SAVED_SIZE: usize =
-    around(Config::COUNT) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + refiner::SAVED;
+    around(Config::COUNT) + TRACK + 4 * MAX_CELLS * CHANNELS + 2 * MAX_PIXELS + refiner::SAVED;
 
 pub(crate) struct Memory {
     /// The target's place and state; `None` before the first lock.

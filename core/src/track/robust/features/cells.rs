@@ -18,7 +18,7 @@
 //!
 //! `kernels` computes the sums of a cell. Cost on the Cortex-M4, with sampling: about 64 instructions for each sample.
 
-use super::super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
+use super::super::constants::{CELL, CHANNELS, MAX_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
 use super::grid::Extent;
 use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
 use crate::image::{Frame, Rect};
@@ -27,7 +27,7 @@ use crate::track::update::Budget;
 use heapless::Vec;
 
 /// Cells in the longest row of a search window.
-pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
+pub(super) const ROW: usize = (MAX_SIDE + 2 * REACH) as usize;
 
 /// Units of work for each sample: for sampling it, and 1/16 of the work on its cell's features.
 const FEATURED: u32 = 64;

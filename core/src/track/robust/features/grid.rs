@@ -5,9 +5,7 @@
 //! step = sqrt(area / 1600) pixels of the frame, at least half a pixel
 //! ```
 
-use super::super::constants::{
-    CELL, CHANNELS, COVER, LEAST_SIDE, LEAST_STEP, MOST_CELLS, MOST_PIXELS, MOST_SIDE, PIXEL_BITS,
-};
+use super::super::constants::{CELL, CHANNELS, COVER, MAX_CELLS, MAX_PIXELS, MAX_SIDE, MIN_SIDE, MIN_STEP, PIXEL_BITS};
 use crate::image::Rect;
 use crate::kernels::rolled;
 use crate::track::update::units;
@@ -42,9 +40,9 @@ impl Grid {
     #[must_use]
     pub fn new(target: Rect) -> Self {
         let step = step(target.area());
-        let (across, down) = fitting([target.width, target.height].map(|size| cells(size, step)), MOST_CELLS);
+        let (across, down) = fitting([target.width, target.height].map(|size| cells(size, step)), MAX_CELLS);
         let (columns, rows) =
-            fitting([pairs(target.width, across, step), pairs(target.height, down, step)], MOST_PIXELS / 4);
+            fitting([pairs(target.width, across, step), pairs(target.height, down, step)], MAX_PIXELS / 4);
         Self { columns: 2 * columns, rows: 2 * rows, across, down, step }
     }
 
@@ -89,7 +87,7 @@ impl Extent {
 
     pub(crate) const fn pixels(self) -> u32 {
         let all = self.across * self.down * CELL as u32 * CELL as u32;
-        if all < MOST_PIXELS as u32 { all } else { MOST_PIXELS as u32 }
+        if all < MAX_PIXELS as u32 { all } else { MAX_PIXELS as u32 }
     }
 
     pub(crate) const fn span(self) -> u32 {
@@ -101,18 +99,18 @@ impl Extent {
     }
 }
 
-/// The grid's step for a box, in units of 1/4096 pixel: the root of area / `MOST_PIXELS`, rounded down, but at least
-/// `LEAST_STEP`. It is below 2^23.
+/// The grid's step for a box, in units of 1/4096 pixel: the root of area / `MAX_PIXELS`, rounded down, but at least
+/// `MIN_STEP`. It is below 2^23.
 fn step(area: u32) -> u32 {
     let square = u64::from(area) << (2 * PIXEL_BITS);
     let mut root = 0;
     for bit in rolled((0..23).rev()) {
         let larger = root | 1 << bit;
-        if u64::from(larger) * u64::from(larger) * MOST_PIXELS as u64 <= square {
+        if u64::from(larger) * u64::from(larger) * MAX_PIXELS as u64 <= square {
             root = larger;
         }
     }
-    root.max(LEAST_STEP)
+    root.max(MIN_STEP)
 }
 
 /// Cells of the filter for a box side of `size` pixels. No overflow: 7 * 65535 * 2^12 and 20 * `step` are below 2^31.
@@ -121,7 +119,7 @@ fn cells(size: u16, step: u32) -> u16 {
     let [cover, of] = COVER;
     let size = u32::from(size) << PIXEL_BITS;
     let cells = (cover * size + of / 2 * step) / (of * step).max(1);
-    u16::try_from(cells).unwrap_or(MOST_SIDE).clamp(LEAST_SIDE, MOST_SIDE)
+    u16::try_from(cells).unwrap_or(MAX_SIDE).clamp(MIN_SIDE, MAX_SIDE)
 }
 
 /// Pairs of template pixels on an axis. An even number of pixels gives template and search window the same middle.

@@ -12,7 +12,7 @@
 //! | sum of a block | gray level | 4 * 255 |
 //! | row interpolated from two | 1/256 gray level | 256 * 255 |
 
-use super::super::constants::{CELL, MARGIN, MOST_SIDE, PIXEL, PIXEL_BITS, REACH};
+use super::super::constants::{CELL, MARGIN, MAX_SIDE, PIXEL, PIXEL_BITS, REACH};
 use super::grid::Grid;
 use super::motion::Place;
 use crate::image::{Frame, Image, Rect};
@@ -20,7 +20,7 @@ use crate::kernels::{BIAS, Interpolation, MixedRow, rolled};
 use heapless::Vec;
 
 /// Columns of the largest lattice: a search window, and a pixel on each side for the gradients.
-pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
+pub(super) const COLUMNS: usize = ((MAX_SIDE + 2 * REACH) * CELL + 2) as usize;
 /// Units of work for each sample, in addition to one for each pixel that is read.
 pub(crate) const SAMPLED: u32 = 32;
 /// The largest number of frame pixels, or of blocks of pixels, that a row of the largest lattice covers.

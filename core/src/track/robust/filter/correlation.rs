@@ -80,9 +80,9 @@ impl<const N: usize> Coded<N> {
     pub(super) fn set_direction(&mut self, sums: &[i32], unit: u32, beta: i64) {
         // The largest beta, 3/4, in units of 1/65536. The next right shift converts beta to this unit (9 bits) and from
         // the scale of the old direction to that of the new one (`self.shift` - `unit` bits).
-        const MOST: i32 = 3 << 14;
+        const MAX: i32 = 3 << 14;
         let beta = beta >> (9 + self.shift).saturating_sub(unit);
-        let beta = i32::try_from(beta).unwrap_or(MOST).min(MOST);
+        let beta = i32::try_from(beta).unwrap_or(MAX).min(MAX);
         self.shift = unit;
         for (number, sum) in rolled(self.numbers.iter_mut().zip(sums)) {
             *number = (sum + ((beta * i32::from(*number)) >> 16)) as i16;

@@ -30,7 +30,7 @@
 //! Cost: 410 products for each weight by default, and 578 in a step of a lock.
 
 use super::super::arithmetic::quotient;
-use super::super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS, WHOLE_STEP};
+use super::super::constants::{CHANNELS, MAX_CODED_ERROR, MAX_ERROR, REGULARISATION, SPAN, WEIGHTS, WHOLE_STEP};
 use super::super::features::{Extent, Grid};
 use super::correlation::{Coded, FeatureWindow, Filter, LARGEST, add_gradient, shift_below};
 use super::gaussian::Gaussian;
@@ -89,7 +89,7 @@ impl Sums {
     #[inline(never)]
     fn code_errors(&mut self, training: &Training<'_>, target: (i32, i32)) -> u32 {
         let Self { per_weight: gradient, per_offset: errors, coded_errors: coded } = self;
-        let shift = shift_below(compute_errors(training, target, errors), MOST_CODED_ERROR);
+        let shift = shift_below(compute_errors(training, target, errors), MAX_CODED_ERROR);
         ScaledSums::of(errors.as_flattened()).code(shift, coded.as_flattened_mut());
         rolled(gradient.iter_mut()).for_each(|sum| *sum = 0);
         shift
@@ -181,7 +181,7 @@ fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i3
         let down = label.at_offset(row, target.1, reach);
         for ((error, response), across) in rolled(errors.iter_mut().zip(responses).zip(&across).take(span)) {
             let label = (across * down + (1 << 13)) >> 14;
-            *error = response.saturating_sub(label).clamp(-MOST_ERROR, MOST_ERROR);
+            *error = response.saturating_sub(label).clamp(-MAX_ERROR, MAX_ERROR);
             largest = largest.max(error.unsigned_abs());
         }
     }

@@ -11,7 +11,7 @@
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{
-    CHANNELS, LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP, WEIGHTS,
+    CHANNELS, MAX_CELLS, MAX_SCALE, MAX_SIDE, MIN_SCALE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP, WEIGHTS,
 };
 use super::super::features::{Extent, Extractor, Grid, Lattice, Place, cells};
 use super::correlation::{Coded, FeatureWindow};
@@ -24,7 +24,7 @@ use heapless::Vec;
 
 /// Size of the largest window of features, in bytes: that of the longest filter, whose margin has the most cells.
 const CELLS: usize =
-    (MOST_SIDE + 2 * SCALE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
+    (MAX_SIDE + 2 * SCALE_REACH) as usize * (MAX_CELLS / MAX_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
 const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;
 
 pub(crate) const fn most_work(extent: Extent) -> u32 {
@@ -116,15 +116,15 @@ fn peak_height(tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> i64 {
 pub(crate) fn other_scales(scale: u32) -> [u32; 2] {
     let scale = i64::from(scale);
     [quotient(scale << 16, SCALE_STEP), (scale * SCALE_STEP) >> 16]
-        .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
+        .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(MIN_SCALE, MAX_SCALE))
 }
 
 /// The scale after a growth of `growth` / 65536, clamped to the smallest and the largest scale.
 pub(crate) fn grown(scale: u32, growth: i32) -> u32 {
     let grown = i64::from(scale) + ((i64::from(scale) * i64::from(growth)) >> 16);
-    u32::try_from(grown).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE)
+    u32::try_from(grown).unwrap_or(SCALE).clamp(MIN_SCALE, MAX_SCALE)
 }
 
 pub(crate) fn is_possible(scale: u32) -> bool {
-    (LEAST_SCALE..=MOST_SCALE).contains(&scale)
+    (MIN_SCALE..=MAX_SCALE).contains(&scale)
 }

@@ -15,12 +15,12 @@ use crate::track::saved::{Reader, Writer};
 
 const ONE: i32 = 1 << 16;
 /// The least and the largest factor of width and height: 1/2 and 2, in units of 1/65536.
-const LEAST_FACTOR: i32 = ONE / 2;
-const MOST_FACTOR: i32 = 2 * ONE;
+const MIN_FACTOR: i32 = ONE / 2;
+const MAX_FACTOR: i32 = 2 * ONE;
 /// The largest shift of the centre, in units of 1/4096 of the box's side: half a side.
-const MOST_SHIFT: i32 = 1 << 11;
+const MAX_SHIFT: i32 = 1 << 11;
 /// The largest magnitude of an estimate: 1, in units of 1/4096. Larger estimates are clamped to it.
-const MOST_ESTIMATE: i32 = 1 << 12;
+const MAX_ESTIMATE: i32 = 1 << 12;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Correction {
@@ -34,14 +34,14 @@ impl Correction {
     pub(crate) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
 
     pub(crate) fn add(&mut self, [right, down, width, height, ..]: Outputs) {
-        let bounded = |estimate: i32| estimate.clamp(-MOST_ESTIMATE, MOST_ESTIMATE);
+        let bounded = |estimate: i32| estimate.clamp(-MAX_ESTIMATE, MAX_ESTIMATE);
         for (centre, new) in self.centre.iter_mut().zip([right, down]) {
-            *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-MOST_SHIFT, MOST_SHIFT);
+            *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-MAX_SHIFT, MAX_SHIFT);
         }
         for (side, new) in self.sides.iter_mut().zip([width, height]) {
             // The product of side and estimate is at most 2^17 * 2^12.
             let grown = *side + ((*side * bounded(new)) >> 14);
-            *side = (ONE + (((grown - ONE) * 15) >> 4)).clamp(LEAST_FACTOR, MOST_FACTOR);
+            *side = (ONE + (((grown - ONE) * 15) >> 4)).clamp(MIN_FACTOR, MAX_FACTOR);
         }
     }
 
@@ -71,8 +71,8 @@ impl Correction {
     }
 
     fn restore(centre: [i32; 2], sides: [i32; 2]) -> Option<Self> {
-        let possible = centre.iter().all(|by| (-MOST_SHIFT..=MOST_SHIFT).contains(by))
-            && sides.iter().all(|side| (LEAST_FACTOR..=MOST_FACTOR).contains(side));
+        let possible = centre.iter().all(|by| (-MAX_SHIFT..=MAX_SHIFT).contains(by))
+            && sides.iter().all(|side| (MIN_FACTOR..=MAX_FACTOR).contains(side));
         possible.then_some(Self { centre, sides })
     }
 }
@@ -119,7 +119,7 @@ mod tests {
             let Correction { centre, sides } = correction;
             assert_eq!(Correction::restore(centre, sides), Some(correction), "{estimate}");
             assert!(
-                centre[0].abs() == MOST_SHIFT && (sides[0] == LEAST_FACTOR || sides[0] == MOST_FACTOR),
+                centre[0].abs() == MAX_SHIFT && (sides[0] == MIN_FACTOR || sides[0] == MAX_FACTOR),
                 "{estimate}: {correction:?}"
             );
         }

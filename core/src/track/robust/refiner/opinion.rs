@@ -19,7 +19,7 @@ use crate::track::State;
 use crate::track::saved::{Reader, Writer};
 
 /// The largest trust in a box, and so the largest opinion, which is the running mean of the trust: 3. Unit: 1/4096.
-const MOST: i32 = 3 << 12;
+const MAX: i32 = 3 << 12;
 /// The opinion below which the target is *uncertain*: 1.19, as for expected errors of place and size of 0.12 box sides
 /// each. Unit: 1/4096.
 const UNCERTAIN_BELOW: i32 = 4864;
@@ -34,23 +34,23 @@ const PATIENCE: i32 = 30;
 /// *uncertain*. Unit: 1/4096.
 const FOUND: i32 = 3328;
 
-/// The opinion, packed. Low 16 bits: the mean, 0 to `MOST`. High 16 bits: the number of consecutive updates, up to now,
+/// The opinion, packed. Low 16 bits: the mean, 0 to `MAX`. High 16 bits: the number of consecutive updates, up to now,
 /// with a mean below `UNCERTAIN_BELOW`; at most `PATIENCE`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Opinion(i32);
 
 impl Opinion {
-    pub(crate) const BEST: Self = Self(MOST);
+    pub(crate) const BEST: Self = Self(MAX);
 
     /// Updates the opinion by the expected errors of an estimate. `place` and `size` are the logarithms of these
     /// errors, with magnitudes below 2^28, in units of 1/4096.
     pub(crate) fn update(&mut self, [.., place, size]: Outputs) {
-        self.move_toward((-(place + size)).clamp(0, MOST));
+        self.move_toward((-(place + size)).clamp(0, MAX));
     }
 
     /// Updates the opinion by an exact match of the early template.
     pub(crate) fn agree(&mut self) {
-        self.move_toward(MOST);
+        self.move_toward(MAX);
     }
 
     fn move_toward(&mut self, trust: i32) {
@@ -89,7 +89,7 @@ impl Opinion {
     }
 
     pub(crate) fn read(from: &mut Reader<'_>) -> Option<Self> {
-        from.i32().map(Self).filter(|opinion| opinion.mean() <= MOST && (0..=PATIENCE).contains(&(opinion.0 >> 16)))
+        from.i32().map(Self).filter(|opinion| opinion.mean() <= MAX && (0..=PATIENCE).contains(&(opinion.0 >> 16)))
     }
 }
 
@@ -101,11 +101,11 @@ mod tests {
     #[test]
     fn the_same_spreads_again_and_again_stay_within_bounds() {
         const LARGEST: i32 = 1 << 28;
-        for (spread, end) in [(LARGEST, 0), (0, 0), (-6000, 11_993), (-LARGEST, MOST)] {
+        for (spread, end) in [(LARGEST, 0), (0, 0), (-6000, 11_993), (-LARGEST, MAX)] {
             let mut opinion = Opinion::BEST;
             for _ in 0..100 {
                 opinion.update([0, 0, 0, 0, spread, spread]);
-                assert!((0..=MOST).contains(&opinion.mean()));
+                assert!((0..=MAX).contains(&opinion.mean()));
             }
             assert!((opinion.mean() - end).abs() < 8, "{spread}: {opinion:?}");
         }
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn states_begin_at_their_thresholds() {
         let states =
-            [0, LOST_BELOW - 1, LOST_BELOW, UNCERTAIN_BELOW - 1, UNCERTAIN_BELOW, MOST].map(|of| Opinion(of).state());
+            [0, LOST_BELOW - 1, LOST_BELOW, UNCERTAIN_BELOW - 1, UNCERTAIN_BELOW, MAX].map(|of| Opinion(of).state());
         use State::{Lost, Tracking, Uncertain};
         assert_eq!(states, [Lost, Lost, Uncertain, Uncertain, Tracking, Tracking]);
     }

@@ -15,15 +15,14 @@
 //!
 //! Redetection overwrites `large`, `responses` and `comparison`, because it excludes learning in the same frame.
 
-use super::super::constants::{CHANNELS, MOST_CELLS, MOST_SIDE, REACH, WEIGHTS};
+use super::super::constants::{CHANNELS, MAX_CELLS, MAX_SIDE, REACH, WEIGHTS};
 use super::super::features::Extractor;
 use super::super::filter::{Coded, Responses, Sums, scale};
 use super::super::verification::Comparison;
 use heapless::Vec;
 
 /// Bytes of the largest search window: that of the longest filter, whose margin has the most cells.
-const LARGE: usize =
-    (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
+const LARGE: usize = (MAX_SIDE + 2 * REACH) as usize * (MAX_CELLS / MAX_SIDE as usize + 2 * REACH as usize) * CHANNELS;
 
 /// The scratch memory of the stages. The table of the [module](self) has the uses of each field.
 // Keep this order: vectors after fields with padding. Otherwise an unoptimised build builds the value on the stack.

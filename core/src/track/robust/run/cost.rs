@@ -2,7 +2,7 @@
 //! file. A unit of work is about one instruction of a Cortex-M4: a product of weight and feature, or a pixel read.
 
 use super::super::config::Config;
-use super::super::constants::{FIRST_STEPS, MOST_CELLS, MOST_SIDE};
+use super::super::constants::{FIRST_STEPS, MAX_CELLS, MAX_SIDE};
 use super::super::features::{Extent, cells};
 use super::super::filter::{CODED, learning, response, scale};
 use super::super::refiner;
@@ -51,18 +51,18 @@ impl Config {
     ///
     /// ```
     /// use smr_core::robust::Config;
-    /// const MOST: smr_core::MostWork = Config::robust().most_work();
-    /// assert!(MOST.update < 14_200_000 && MOST.lock < 11_100_000 && MOST.beyond_a_step == 128_000, "{MOST:?}");
+    /// const MAX: smr_core::MostWork = Config::robust().most_work();
+    /// assert!(MAX.update < 14_200_000 && MAX.lock < 11_100_000 && MAX.beyond_a_step == 128_000, "{MAX:?}");
     /// ```
     #[must_use]
     #[allow(clippy::cast_possible_truncation)] // a filter has at most 200 cells
     pub const fn most_work(&self) -> MostWork {
         let mut most = MostWork { update: 0, lock: 0, beyond_a_step: 0 };
         let mut across = 1;
-        while across <= MOST_SIDE as u32 {
+        while across <= MAX_SIDE as u32 {
             // The largest count of rows for a filter of this width, because more rows are more work.
-            let down = MOST_CELLS as u32 / across;
-            let down = if down < MOST_SIDE as u32 { down } else { MOST_SIDE as u32 };
+            let down = MAX_CELLS as u32 / across;
+            let down = if down < MAX_SIDE as u32 { down } else { MAX_SIDE as u32 };
             let extent = Extent { across, down, reach: self.reach as u32 };
             let (update, lock) = (update(self, extent) as u64, lock(self, extent) as u64);
             most.update = if update > most.update { update } else { most.update };
@@ -83,8 +83,8 @@ mod tests {
     #[test]
     fn the_drawing_has_the_work_of_each_stage() {
         let config = Config::robust();
-        let extents = (1..=MOST_SIDE as u32).map(|across| {
-            let down = (MOST_CELLS as u32 / across).min(MOST_SIDE as u32);
+        let extents = (1..=MAX_SIDE as u32).map(|across| {
+            let down = (MAX_CELLS as u32 / across).min(MAX_SIDE as u32);
             Extent { across, down, reach: config.reach.into() }
         });
         let extent = extents.max_by_key(|&extent| update(&config, extent)).unwrap();

@@ -13,7 +13,7 @@
 //! view, 32 instructions for each sample on the Cortex-M4.
 
 use super::super::config::Config;
-use super::super::constants::{AGREEMENT_RANK, ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, REFINED_FROM, TILES};
+use super::super::constants::{AGREEMENT_RANK, ALIGNMENTS, CELL, MARGIN, MAX_PIXELS, MAX_SIDE, REFINED_FROM, TILES};
 use super::super::features::{Extent, Grid, Lattice, Place, SAMPLED, Sampling, most_read};
 use super::alignment::{Alignment, Alignments, in_view};
 use super::lighting::{self, Light};
@@ -24,9 +24,9 @@ use crate::track::update::Budget;
 use heapless::Vec;
 
 /// The number of pixels of the largest view: a template with `MARGIN` more pixels on each side. Among the templates of
-/// `MOST_PIXELS` pixels, the longest and narrowest needs the most pixels around it.
-const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
-    * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
+/// `MAX_PIXELS` pixels, the longest and narrowest needs the most pixels around it.
+const VIEW: usize =
+    (MAX_SIDE * CELL + 2 * MARGIN) as usize * (MAX_PIXELS.div_ceil((MAX_SIDE * CELL) as usize) + 2 * MARGIN as usize);
 
 /// Units of work to copy, compare or relight a pixel of the template.
 pub(crate) const COPIED: u32 = 16;
@@ -94,7 +94,7 @@ pub(crate) struct Comparison {
     expected: u32,
     gain: u32,
     view: Vec<u8, VIEW>,
-    relit: Vec<u8, MOST_PIXELS>,
+    relit: Vec<u8, MAX_PIXELS>,
 }
 
 impl Comparison {

@@ -20,7 +20,7 @@
 //!
 //! Cost: 12 units of work for each cell of the window. Verification counts the work on the template's pixels.
 
-use super::super::constants::{CHANNELS, LEAST_ALPHA, LEAST_WINDOW, LIGHT_RATE, MOST_ALPHA, MOST_EXPECTED, ONE_GAIN};
+use super::super::constants::{CHANNELS, LIGHT_RATE, MAX_ALPHA, MAX_EXPECTED, MIN_ALPHA, MIN_WINDOW, ONE_GAIN};
 use super::super::features::Extent;
 use crate::image::Image;
 use crate::kernels::rolled;
@@ -47,16 +47,16 @@ pub(crate) struct Light(u32);
 
 impl Light {
     pub(crate) const NONE: Self = Self(0);
-    const MOST: u32 = ((2 * MOST_EXPECTED) << 10) / LEAST_WINDOW;
+    const MAX: u32 = ((2 * MAX_EXPECTED) << 10) / MIN_WINDOW;
 
     /// Divides the target's `gain` of contrast (1/256) by its search window's contrast, `window` (1/16 gray level).
     pub(crate) fn of(gain: u32, window: u32) -> Self {
-        Self((gain << 10) / window.max(LEAST_WINDOW))
+        Self((gain << 10) / window.max(MIN_WINDOW))
     }
 
     /// The expected gain of the target's contrast (1/256) in a search window of contrast `window` (1/16 gray level).
     pub(crate) fn gain(self, window: u32) -> u32 {
-        ((self.0 * window) >> 10).clamp(1, MOST_EXPECTED)
+        ((self.0 * window) >> 10).clamp(1, MAX_EXPECTED)
     }
 
     pub(crate) fn following(self, new: Self) -> Self {
@@ -68,7 +68,7 @@ impl Light {
     }
 
     pub(crate) const fn restore(number: u32) -> Option<Self> {
-        if number <= Self::MOST { Some(Self(number)) } else { None }
+        if number <= Self::MAX { Some(Self(number)) } else { None }
     }
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn window_contrast(cells: &[i8]) -> u32 {
     let grays = || rolled(cells.as_chunks::<CHANNELS>().0.iter().map(|&[.., gray]| i32::from(gray)));
     let count = count(cells).max(1);
     let mean = grays().sum::<i32>().checked_div(count.cast_signed()).unwrap_or(0);
-    (16 * grays().map(|gray| gray.abs_diff(mean)).sum::<u32>() / count).max(LEAST_WINDOW)
+    (16 * grays().map(|gray| gray.abs_diff(mean)).sum::<u32>() / count).max(MIN_WINDOW)
 }
 
 /// The threshold alpha of the similarity, 2 to 100 gray levels: the patch's deviation or, if lower, the template's
@@ -86,7 +86,7 @@ pub(crate) fn window_contrast(cells: &[i8]) -> u32 {
 pub(crate) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
     // The product is at most 2^13 * 2^18, below 2^32.
     let deviation = patch.deviation.min((gain * template.deviation) >> 8);
-    u16::try_from((deviation / patch.pixels.max(1)).clamp(LEAST_ALPHA, MOST_ALPHA)).unwrap_or(0)
+    u16::try_from((deviation / patch.pixels.max(1)).clamp(MIN_ALPHA, MAX_ALPHA)).unwrap_or(0)
 }
 
 /// True if a patch can show the target. Its contrast is at least a quarter of the expected one, and at least one gray
@@ -175,7 +175,7 @@ mod tests {
         assert_eq!(day, 16 * 40);
         let light = Light::of(256, day);
         assert!(light.gain(day).abs_diff(256) < 2 && light.gain(window(-108, -92)).abs_diff(256 / 5) < 2);
-        assert_eq!(window(7, 7), LEAST_WINDOW);
+        assert_eq!(window(7, 7), MIN_WINDOW);
     }
 
     #[test]
@@ -184,14 +184,14 @@ mod tests {
         cells[..200 * CHANNELS].fill(127);
         let most = window_contrast(&cells);
         assert!((2030..=2040).contains(&most), "{most}");
-        let light = Light::of(2 * MOST_EXPECTED, LEAST_WINDOW);
-        assert_eq!((light.number(), light.gain(2040)), (Light::MOST, MOST_EXPECTED));
-        assert_eq!((Light::restore(Light::MOST), Light::restore(Light::MOST + 1)), (Some(light), None));
+        let light = Light::of(2 * MAX_EXPECTED, MIN_WINDOW);
+        assert_eq!((light.number(), light.gain(2040)), (Light::MAX, MAX_EXPECTED));
+        assert_eq!((Light::restore(Light::MAX), Light::restore(Light::MAX + 1)), (Some(light), None));
         assert_eq!((Light::NONE.following(light).number(), light.following(Light::NONE).number()), (1 << 18, 7 << 18));
         let board: Vec<u8> = (0..1600).map(|at: u16| if at.is_multiple_of(2) { 0 } else { 255 }).collect();
-        assert!(!can_show(contrast(&[90; 1600]), contrast(&board), MOST_EXPECTED));
+        assert!(!can_show(contrast(&[90; 1600]), contrast(&board), MAX_EXPECTED));
         let mut relit = board.clone();
-        let (_, gain) = relight(&mut relit, contrast(&board), Image::new(&board, 40, 40).unwrap(), MOST_EXPECTED);
-        assert_eq!((gain, relit), (MOST_EXPECTED / 2, board));
+        let (_, gain) = relight(&mut relit, contrast(&board), Image::new(&board, 40, 40).unwrap(), MAX_EXPECTED);
+        assert_eq!((gain, relit), (MAX_EXPECTED / 2, board));
     }
 }

@@ -17,7 +17,7 @@
 //! The step is taken only if the early template agrees well. Cost: 40 instructions of a Cortex-M4 for each pixel.
 
 use super::super::arithmetic::quotient;
-use super::super::constants::{DAMPING, MOST_GROWTH, MOST_MOVE, REFINED_FROM};
+use super::super::constants::{DAMPING, MAX_GROWTH, MAX_MOVE, REFINED_FROM};
 use super::super::features::row_of;
 use super::alignment::Alignment;
 use crate::image::Image;
@@ -122,7 +122,7 @@ impl NormalEquations {
         let solve = |minors| solution(products(minors, errors), determinant);
         let growth = -32 * solve([minor_xg, minor_yg, minor_gg]);
         let (x, y) = (-solve([minor_xx, minor_xy, minor_xg]), -solve([minor_xy, minor_yy, minor_yg]));
-        (x, y, growth.clamp(-MOST_GROWTH, MOST_GROWTH))
+        (x, y, growth.clamp(-MAX_GROWTH, MAX_GROWTH))
     }
 }
 
@@ -135,11 +135,11 @@ fn products(some: [i32; 3], others: [i32; 3]) -> i64 {
     some.iter().zip(others).map(|(&some, other)| i64::from(some) * i64::from(other)).sum()
 }
 
-/// `sum` / `determinant`, clamped to +-`MOST_MOVE`; 0 if the determinant is not positive.
+/// `sum` / `determinant`, clamped to +-`MAX_MOVE`; 0 if the determinant is not positive.
 #[inline(never)]
 fn solution(sum: i64, determinant: i64) -> i32 {
     let times = if determinant > 0 { quotient(sum, determinant) } else { 0 };
-    i32::try_from(times.clamp(-MOST_MOVE, MOST_MOVE)).unwrap_or(0)
+    i32::try_from(times.clamp(-MAX_MOVE, MAX_MOVE)).unwrap_or(0)
 }
 
 #[cfg(test)]

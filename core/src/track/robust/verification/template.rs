@@ -5,13 +5,13 @@
 //! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
 //! ```
 
-use super::super::constants::MOST_PIXELS;
+use super::super::constants::MAX_PIXELS;
 use crate::image::Image;
 use crate::kernels::rolled;
 use heapless::Vec;
 
 pub(crate) struct Template {
-    mean: Vec<u16, MOST_PIXELS>,
+    mean: Vec<u16, MAX_PIXELS>,
 }
 
 impl Template {
@@ -20,7 +20,7 @@ impl Template {
         Self { mean: Vec::new() }
     }
 
-    /// Starts the mean with `patch`, which has at most `MOST_PIXELS` pixels.
+    /// Starts the mean with `patch`, which has at most `MAX_PIXELS` pixels.
     pub(crate) fn start(&mut self, patch: Image<'_>) {
         self.mean.clear();
         let _ = self.mean.resize_default(usize::from(patch.width()) * usize::from(patch.height()));
@@ -29,7 +29,7 @@ impl Template {
 
     pub(crate) fn restore(&mut self, mean: impl Iterator<Item = u16>) {
         self.mean.clear();
-        for pixel in mean.take(MOST_PIXELS) {
+        for pixel in mean.take(MAX_PIXELS) {
             let _ = self.mean.push(pixel);
         }
     }
@@ -60,7 +60,7 @@ impl Template {
     }
 
     #[inline(never)]
-    pub(super) fn copy_to(&self, out: &mut Vec<u8, MOST_PIXELS>) {
+    pub(super) fn copy_to(&self, out: &mut Vec<u8, MAX_PIXELS>) {
         // Cannot fail: both vectors have the same capacity.
         let _ = out.resize_default(self.mean.len());
         rolled(out.iter_mut().zip(self.pixels())).for_each(|(out, pixel)| *out = pixel);
