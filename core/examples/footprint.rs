@@ -13,7 +13,7 @@ mod firmware {
     use smr_core::paper::Config;
     #[cfg(feature = "robust")]
     use smr_core::{Robust as Weighed, robust::Config};
-    /// The paper's tracker with at most 64x64 template pixels and a search window of at most +-16 pixels.
+    /// The paper tracker with at most 64x64 template pixels and a search window of at most +-16 pixels.
     #[cfg(not(feature = "robust"))]
     type Weighed = smr_core::Paper<4096, 33>;
 

@@ -46,7 +46,7 @@
 //!
 //! # Two trackers with the same calls
 //!
-//! [`Paper`] is the paper's tracker: fast, for a target that keeps its size. [`Robust`] also follows changes of size,
+//! [`Paper`] is the paper tracker: fast, for a target that keeps its size. [`Robust`] also follows changes of size,
 //! light and view, and searches the whole frame for a lost target, part by part (not always with success). It takes
 //! more time and memory. A [`Tracker`] of either kind locks, updates (in steps, if there is a deadline), reports the
 //! window that it reads, and is saved and restored. Generic code takes a [`Target`].

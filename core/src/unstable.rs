@@ -52,7 +52,7 @@ pub const fn response(workspace: &Workspace) -> i32 {
     workspace.response()
 }
 
-/// The box positions that the next update of the paper's tracker searches; `None` before the first lock.
+/// The box positions that the next update of the paper tracker searches; `None` before the first lock.
 #[must_use]
 pub fn offsets<const PIXELS: usize, const SPAN: usize>(target: &Paper<PIXELS, SPAN>) -> Option<Window> {
     target.offsets()

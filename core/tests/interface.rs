@@ -1,4 +1,4 @@
-//! Tests of the public interface: rules of the paper's tracker that recordings rarely exercise, and the README's memory
+//! Tests of the public interface: rules of the paper tracker that recordings rarely exercise, and the README's memory
 //! sizes.
 
 use smr_core::paper::{Config, Margins, Workspace};

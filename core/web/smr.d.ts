@@ -32,7 +32,7 @@ export interface Picture {
 export declare const State: {
   /** The target is in the box. */
   readonly TRACKING: "tracking";
-  /** The target is in the box, which is partly outside the frame. Only from the paper's tracker. */
+  /** The target is in the box, which is partly outside the frame. Only from the paper tracker. */
   readonly LEAVING: "leaving";
   /** The target is partly hidden or changes quickly. Only from the robust tracker. */
   readonly UNCERTAIN: "uncertain";

@@ -33,7 +33,7 @@ pub struct Report {
 /// Part of a record from one start of the firmware to the next.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Flight {
-    /// Name of the tracker: `smr` or `robust`.
+    /// Name of the tracker: `paper` or `robust`.
     pub method: &'static str,
     /// Number of locks, and number of answers, that equal the recorded ones.
     pub locks: u64,
@@ -235,7 +235,7 @@ struct Run<'a, T: Recorded> {
 /// Creates the replay of the tracker that the entry `begin` describes. Returns it with the tracker's name.
 fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn FlightReplay<'a> + 'a>, &'static str)> {
     if begin.tracker == Paper::TRACKER {
-        return Ok((run::<Paper>(begin, paper::Config::paper(), |config, table| config.table = table)?, "smr"));
+        return Ok((run::<Paper>(begin, paper::Config::paper(), |config, table| config.table = table)?, "paper"));
     }
     let expected = (char::from(Paper::TRACKER), char::from(Robust::TRACKER));
     ensure!(begin.tracker == Robust::TRACKER, "tracker {}: expected {} or {}", begin.tracker, expected.0, expected.1);

@@ -185,8 +185,8 @@ fn the_papers_table_is_printed_whole() {
         ["Babenko 2009 (MIL)", "printed", "101"],
         ["Kalal 2010 (forward-backward, MedianFlow)", "printed", "140"],
         ["SMR, the paper", "printed", "140"],
-        ["smr", "measured", "87"],
-        ["smr, k = 7/20, inclusive", "measured", "140"],
+        ["paper", "measured", "87"],
+        ["paper, k = 7/20, inclusive", "measured", "140"],
     ];
     assert_eq!(table[..9], expected);
     assert_eq!(table[9][0], "robust");
@@ -194,7 +194,7 @@ fn the_papers_table_is_printed_whole() {
     assert_eq!(names, ["sad", "ssd", "ncc", "lk"]);
     assert!(table[14..].iter().any(|row| row[..2] == ["OpenCV-5.0.0-TLD", "measured"]));
 
-    let only = host_sim(&["eval", utf8(&sequence), "--method", "smr", "--json"]);
+    let only = host_sim(&["eval", utf8(&sequence), "--method", "paper", "--json"]);
     let tables = only.json();
     let rows = |name: &str| tables[name].as_array().unwrap().len();
     assert_eq!((rows("measured"), rows("printed"), &tables["printed"][5]["correct"]), (1, 6, &140.into()));
@@ -215,7 +215,7 @@ fn the_results_have_the_figures_of_the_built_in_recording() {
 fn the_recorded_sequences_are_followed_as_the_readme_says() {
     let Some(tld) = recordings("the_recorded_sequences_are_followed_as_the_readme_says", "tld") else { return };
     let sequences = ["03_pedestrian1", "05_pedestrian3"].map(|name| tld.join(name));
-    let rows = host_sim(&["eval", utf8(&sequences[0]), utf8(&sequences[1]), "--method", "smr", "--json"]).json();
+    let rows = host_sim(&["eval", utf8(&sequences[0]), utf8(&sequences[1]), "--method", "paper", "--json"]).json();
     let correct = |row: usize| &rows["measured"][row]["correct"];
     assert_eq!((correct(0), correct(1)), (&87.into(), &52.into()));
 }

@@ -67,8 +67,8 @@ fn peak(process: &Child) -> u64 {
 #[cfg(target_os = "linux")]
 #[test]
 fn live_input_takes_no_more_memory_with_time() {
-    for method in ["smr", "robust"] {
-        let window: &[&str] = if method == "smr" { &["--set", "window=8x8"] } else { &[] };
+    for method in ["paper", "robust"] {
+        let window: &[&str] = if method == "paper" { &["--set", "window=8x8"] } else { &[] };
         let arguments = [&["track", "-", "--init", START, "--method", method, "--json"], window].concat();
         let mut live = Live::start(&arguments, Stdio::piped());
         let mut lines = BufReader::new(live.process.stdout.take().expect("it is piped")).lines();
@@ -139,9 +139,9 @@ fn a_disk_that_fills_up_leaves_each_former_file() {
         let mut ffmpeg = Command::new("ffmpeg");
         assert!(runs(ffmpeg.args(source.split(' ')).args(["-c:v", "mjpeg", "-q:v", "5"]).arg(&clip)));
     }
-    let (clip, init) = (utf8(&clip), ["--method", "smr", "--init", "60,50,30,30", "--frames"]);
+    let (clip, init) = (utf8(&clip), ["--method", "paper", "--init", "60,50,30,30", "--frames"]);
     let (track, sound) = (
-        ["track", "synthetic", "--method", "smr", "--frames", "..60"],
+        ["track", "synthetic", "--method", "paper", "--frames", "..60"],
         [&["track", clip][..], &init, &["..60"]].concat(),
     );
     let report = ["report", "synthetic", "--frames", "..20", "--out"];
@@ -295,7 +295,7 @@ fn a_reader_that_goes_away_does_not_change_the_verdict() {
 
 #[test]
 fn a_closed_pipe_is_no_error_and_its_lines_are_whole() {
-    for more in [&["--method", "smr"][..], &["--json"]] {
+    for more in [&["--method", "paper"][..], &["--json"]] {
         let arguments = &[&["track", "synthetic", "--frames", "..30"], more].concat()[..];
         let expected = host_sim(arguments).out;
         let mut process = command(arguments).spawn().expect("host-sim runs");

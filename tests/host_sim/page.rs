@@ -81,7 +81,7 @@ const PLAYER: &str = r##"
 
 #[test]
 fn the_page_plays_in_a_browser() {
-    let page = page("page", &["synthetic", "--method", "smr,robust"]);
+    let page = page("page", &["synthetic", "--method", "paper,robust"]);
     let text = fs::read_to_string(&page).unwrap();
     assert!(text.contains("host-sim report --out ") && text.contains(" synthetic --method "), "how to make it again");
     assert!(!text.contains("http://") || text.matches("http://").count() == text.matches("http://www.w3.org/").count());
@@ -106,7 +106,7 @@ const BY_ITSELF: &str = r##"
 #[test]
 fn the_page_plays_by_itself_and_begins_with_what_happened() {
     let test = "the_page_plays_by_itself_and_begins_with_what_happened";
-    browser::act(test, &page("page-by-itself", &["synthetic", "--method", "smr,robust"]), 1280, "", BY_ITSELF);
+    browser::act(test, &page("page-by-itself", &["synthetic", "--method", "paper,robust"]), 1280, "", BY_ITSELF);
 }
 
 /// Zooms and moves the curves. The horizontal position of the mark of frame 120 shows which part of them is visible.
@@ -145,7 +145,7 @@ const MOVING: &str = r##"
 #[test]
 fn curves_move_and_zoom_by_mouse_wheel_fingers_and_keys() {
     let test = "curves_move_and_zoom_by_mouse_wheel_fingers_and_keys";
-    browser::act(test, &page("page-moving", &["synthetic", "--method", "smr"]), 1280, "frame=120", MOVING);
+    browser::act(test, &page("page-moving", &["synthetic", "--method", "paper"]), 1280, "frame=120", MOVING);
 }
 
 const EVENTS: &str = r##"
@@ -169,7 +169,7 @@ const EVENTS: &str = r##"
 
 #[test]
 fn events_are_listed_with_their_times_and_lead_there() {
-    let page = page("page-events", &["synthetic", "--method", "smr"]);
+    let page = page("page-events", &["synthetic", "--method", "paper"]);
     let text = fs::read_to_string(&page).unwrap();
     assert_eq!(text.matches("\"times\":null").count(), 1);
     let times: Vec<String> = (0..240).map(|frame| format!("{:.2}", f64::from(frame) / 25.0)).collect();
@@ -218,7 +218,7 @@ const STAYS: &str = r##"
 
 #[test]
 fn the_player_stays_in_view_and_nothing_is_too_wide() {
-    let page = page("page-stays", &["synthetic", "border", "--method", "smr"]);
+    let page = page("page-stays", &["synthetic", "border", "--method", "paper"]);
     for width in [390, 1280] {
         browser::act("the_player_stays_in_view_and_nothing_is_too_wide", &page, width, "frame=60", STAYS);
     }
@@ -242,7 +242,7 @@ const ADDRESS: &str = r##"
 
 #[test]
 fn the_address_names_the_frame() {
-    let page = page("page-address", &["synthetic", "border", "--method", "smr"]);
+    let page = page("page-address", &["synthetic", "border", "--method", "paper"]);
     browser::act("the_address_names_the_frame", &page, 1280, "recording=border&frame=20", ADDRESS);
 }
 
@@ -263,7 +263,7 @@ const NUMBERS: &str = r##"
 
 #[test]
 fn one_number_shifts_all_frame_numbers() {
-    let page = page("page-numbers", &["synthetic", "--method", "smr"]);
+    let page = page("page-numbers", &["synthetic", "--method", "paper"]);
     let text = fs::read_to_string(&page).unwrap();
     assert_eq!(text.matches("\"first\":1,").count(), 1);
     fs::write(&page, text.replace("\"first\":1,", "\"first\":601,")).unwrap();
@@ -309,7 +309,7 @@ fn with_trackers(test: &str) -> PathBuf {
 #[test]
 fn twenty_entrants_look_different_everywhere() {
     let recording = with_trackers("page-looks-recording");
-    let page = page("page-looks", &[utf8(&recording), "--method", "robust,smr,sad,ssd,ncc,lk"]);
+    let page = page("page-looks", &[utf8(&recording), "--method", "robust,paper,sad,ssd,ncc,lk"]);
     browser::act("twenty_entrants_look_different_everywhere", &page, 1280, "frame=6", LOOKS);
 }
 

@@ -102,7 +102,7 @@ fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer
 fn flights(frames: usize) -> [(CoreKind, Vec<u8>, Vec<Answer>); 2] {
     let (paper, by_paper) = flight::<Paper>(small_paper(), frames);
     let (robust, by_robust) = flight::<Robust>(other_robust(), frames);
-    [(CoreKind::Smr, paper, by_paper), (CoreKind::Robust, robust, by_robust)]
+    [(CoreKind::Paper, paper, by_paper), (CoreKind::Robust, robust, by_robust)]
 }
 
 fn replayed(bytes: &[u8]) -> Result<Report, String> {
@@ -143,7 +143,7 @@ fn a_flight_is_replayed_bit_for_bit() {
         assert!(flight.states[3] > 0, "{kind:?}: the flight has a lost target: {:?}", flight.states);
         // Bytes of each entry, by the documentation: begin 584 (`Paper`) or 558 (`Robust`), moved 24. Without their
         // pixels: lock 36, window with answer 82, window without answer 36.
-        let begin = if kind == CoreKind::Smr { 584 } else { 558 };
+        let begin = if kind == CoreKind::Paper { 584 } else { 558 };
         let saved =
             entries(&bytes).windows(2).find(|pair| pair[0].1 == *b"SMRS").map_or(0, |pair| pair[1].0 - pair[0].0);
         let expected = begin + 36 + 82 * 239 + 36 + 24 + saved as u64 + flight.pixels;
@@ -189,7 +189,7 @@ fn no_entry_makes_it_panic() {
     };
     for (kind, bytes, _) in flights(4) {
         let all = entries(&bytes);
-        for _ in 0..if kind == CoreKind::Smr { 400 } else { 60 } {
+        for _ in 0..if kind == CoreKind::Paper { 400 } else { 60 } {
             let (at, _) = all[random(all.len())];
             let length = u32::from_le_bytes(bytes[at + 8..at + 12].try_into().expect("four bytes")) as usize;
             let mut changed = bytes.clone();
@@ -217,7 +217,7 @@ fn a_changed_pixel_or_configuration_is_noticed() {
         // Changes the configuration: the search radius or the learning rate.
         let (end, _) = entries(&bytes)[1];
         let mut changed = bytes.clone();
-        changed[end - 4 - if kind == CoreKind::Smr { 2 * 11 } else { 6 }] ^= 3;
+        changed[end - 4 - if kind == CoreKind::Paper { 2 * 11 } else { 6 }] ^= 3;
         let report = replayed(&signed(changed, 0)).expect("a record");
         assert!(report.difference.is_some(), "{kind:?}");
     }
@@ -230,7 +230,7 @@ fn firmware_that_starts_again_appends() {
     let report = replayed(&[cut, &robust].concat()).expect("a record");
     assert_eq!((&report.damage, report.flights.len()), (&None, 2));
     let [first, second] = &report.flights[..] else { panic!("two flights") };
-    assert_eq!((first.method, first.answers, first.cut_off), ("smr", 3, 16));
+    assert_eq!((first.method, first.answers, first.cut_off), ("paper", 3, 16));
     assert!(first.unanswered.as_ref().is_some_and(|last| last.frame == 5 && last.state == "tracking"));
     assert_eq!((second.method, second.answers, second.unanswered.is_none()), ("robust", 4, true));
     let report = replayed(&[&robust[..], &[0xFF; 5000]].concat()).expect("a record");
@@ -288,7 +288,7 @@ fn the_command_says_what_holds() {
     assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
     assert!(said.out.contains("flight 2 of 2, robust: 1 lock, 5 answers as recorded, bit for bit"), "{}", said.out);
     let json = host_sim(&["replay", utf8(&file), "--json"]).json();
-    assert_eq!((&json["flights"][0]["method"], &json["flights"][1]["answers"]), (&"smr".into(), &5.into()));
+    assert_eq!((&json["flights"][0]["method"], &json["flights"][1]["answers"]), (&"paper".into(), &5.into()));
     assert!(json["difference"].is_null() && json["damage"].is_null());
     let [small, other] = [0, 1].map(|flight| &json["flights"][flight]);
     assert_eq!((&small["settings"]["k"], &other["settings"]["reach"]), (&[2, 7].into(), &[6].into()));

@@ -158,7 +158,7 @@ fn a_video_has_the_sound_of_its_frames() {
         let (recording, video) = (path(&format!("of-{name}")), path(video));
         beeping(&recording, lengths.0, lengths.1, options);
         let arguments =
-            ["track", utf8(&recording), "--method", "smr", "--init", "60,50,30,30", "--video", utf8(&video)];
+            ["track", utf8(&recording), "--method", "paper", "--init", "60,50,30,30", "--video", utf8(&video)];
         let part = if frames == ".." { vec![] } else { vec!["--frames", frames] };
         let said = host_sim(&[&arguments[..], &part].concat());
         assert_eq!((said.code, said.err.contains("note")), (Some(0), false), "{name}: {}", said.err);
@@ -201,7 +201,8 @@ fn sound_that_cannot_be_read_costs_no_video() {
     ] {
         for ending in ["mp4", "webm"] {
             let (file, video) = (path(&format!("{recording}.mkv")), path(&format!("{recording}.{ending}")));
-            let arguments = ["track", utf8(&file), "--method", "smr", "--init", "60,50,30,30", "--video", utf8(&video)];
+            let arguments =
+                ["track", utf8(&file), "--method", "paper", "--init", "60,50,30,30", "--video", utf8(&video)];
             let said = host_sim(&[&arguments[..], more].concat());
             let notes: Vec<&str> = said.err.lines().filter(|line| !line.starts_with("warning")).collect();
             assert_eq!((said.code, pictures(&video), notes.len()), (Some(0), count, usize::from(note.is_some())));

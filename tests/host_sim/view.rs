@@ -154,9 +154,9 @@ fn what_is_followed_in_the_window_is_what_track_answers() {
     let inits = ["track", recording, "--init", "37,24,24,28@2", "--init", "80,40,24,28@30"];
     let corrected = |more: &[&str]| host_sim(&[&inits, more].concat()).out;
     assert_eq!(window.text("boxes?format=csv"), corrected(&["--format", "csv"]));
-    assert_eq!(window.post("method", &json!({ "method": "smr", "options": { "config": "camera" } })).0, 200);
+    assert_eq!(window.post("method", &json!({ "method": "paper", "options": { "config": "camera" } })).0, 200);
     window.followed();
-    let paper = corrected(&["--method", "smr", "--config", "camera", "--format", "csv"]);
+    let paper = corrected(&["--method", "paper", "--config", "camera", "--format", "csv"]);
     assert_eq!(window.text("boxes?format=csv"), paper);
     assert!(window.text("firmware").contains("camera_within"));
 }
@@ -202,7 +202,7 @@ fn the_page_has_all_that_it_asks_for() {
     let bad =
         [(json!({ "bakend": "scalar" }), "--backend"), (json!({ "set": ["window=16,16"] }), "--set window=16x16")];
     for (options, meant) in bad {
-        let (status, said) = window.post("method", &json!({ "method": "smr", "options": options }));
+        let (status, said) = window.post("method", &json!({ "method": "paper", "options": options }));
         assert!(status == 400 && said.ends_with(&format!("did you mean {meant}?")), "{said}");
     }
     assert_eq!(window.post("film", &json!({ "as": "exe" })).0, 400);
@@ -254,12 +254,12 @@ fn work_is_kept_beside_the_recording_and_gone_on_with() {
     assert_eq!((window.post("place", &json!({ "frame": 3 })).0, begun(&window).1), (200, json!(file)));
     assert!(!Path::new(&file).exists(), "nothing has been changed");
     assert_eq!(window.post("targets", &car).0, 200);
-    assert_eq!(window.post("method", &json!({ "method": "smr", "options": { "config": "camera" } })).0, 200);
+    assert_eq!(window.post("method", &json!({ "method": "paper", "options": { "config": "camera" } })).0, 200);
     assert_eq!(window.post("place", &json!({ "frame": 12 })).0, 200);
     drop(window);
     let window = Window::open(&[recording]);
     let source = window.json("source");
-    assert_eq!((&source["targets"], &source["method"], &source["frame"]), (&car, &json!("smr"), &json!(12)));
+    assert_eq!((&source["targets"], &source["method"], &source["frame"]), (&car, &json!("paper"), &json!(12)));
     assert_eq!((&source["options"], &source["ids"]), (&json!({ "config": "camera" }), &car[0]["id"]));
     assert_eq!(window.post("targets", &json!([])).0, 200);
     assert_eq!(window.json("source")["ids"], source["ids"], "the id of a removed target is not given again");
@@ -272,7 +272,7 @@ fn work_is_kept_beside_the_recording_and_gone_on_with() {
     let window = Window::open(&[recording, "--init", "1,1,20,20"]);
     assert_eq!(
         (&begun(&window).0[0]["locks"][0]["box"], window.json("source")["method"].clone()),
-        (&json!([1, 1, 20, 20]), json!("smr"))
+        (&json!([1, 1, 20, 20]), json!("paper"))
     );
     let former = fs::read(&file).unwrap();
     assert_eq!(window.post("targets", &target(&[(1, [2, 2, 20, 20])])).0, 200);
@@ -342,7 +342,7 @@ fn a_box_behind_the_end_is_said() {
     let track = format!("<annotations><track label=\"car\">{}{}</track></annotations>", xml(0), xml(998));
     fs::write(place("a.xml"), track).unwrap();
     let locks = [1, 999].map(|frame| json!({ "frame": frame, "box": [36, 24, 24, 28] }));
-    let mut session = json!({ "smr_session": 1, "recording": "a", "method": "smr", "options": {}, "frame": null });
+    let mut session = json!({ "smr_session": 1, "recording": "a", "method": "paper", "options": {}, "frame": null });
     session["targets"] = json!([{ "id": 1, "name": "car", "locks": locks }]);
     fs::write(place("a.json"), session.to_string()).unwrap();
     let (csv, xml, session) = (place("a.csv"), place("a.xml"), place("a.json"));

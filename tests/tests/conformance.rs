@@ -1,5 +1,5 @@
 //! Checks that smr-core gives the answers recorded in `vectors/` with whole updates, with updates in steps, and with
-//! the target saved and restored between frames. For the paper's tracker, the float reference must give them, too.
+//! the target saved and restored between frames. For the paper tracker, the float reference must give them, too.
 //! `SMR_RECORD=1 cargo test -p smr-tests conformance` records the answers anew.
 
 use host_sim::check::Check;

@@ -116,7 +116,7 @@ fn documents() -> Vec<Document> {
             sentences: vec![
                 (UPDATE, updates.to_vec()),
                 (
-                    "more than {} bytes (paper's tracker), {} (robust), {} (robust with the refiner) and {} (`smr_init`)",
+                    "more than {} bytes (paper tracker), {} (robust), {} (robust with the refiner) and {} (`smr_init`)",
                     vec![paper, robust, refined, limit("deepest \"$name\" ")],
                 ),
             ],

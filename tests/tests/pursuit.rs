@@ -190,7 +190,7 @@ fn frame(pixels: &[u8]) -> Frame<'_> {
     Frame::whole(Image::new(pixels, WIDTH, HEIGHT).expect("as many pixels as that"))
 }
 
-/// The paper's tracker, with a search window that the target does not leave.
+/// The paper tracker, with a search window that the target does not leave.
 type Small = Paper<4096, 65>;
 
 fn small() -> Config {

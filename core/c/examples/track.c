@@ -2,7 +2,7 @@
  * A complete program: follows a target through generated frames and prints its box. The target moves, is hidden for a while, and
  * reappears elsewhere.
  *
- *     track                with the paper's tracker
+ *     track                with the paper tracker
  *     track robust         with the robust tracker; only the configuration differs
  *     track METHOD FILE    writes a flight record to FILE, which `host-sim replay FILE` runs again
  *

@@ -24,7 +24,7 @@
  * Programs with a deadline call #smr_update_step; those that read out only a part of the sensor ask #smr_windows first.
  *
  * There are two trackers, and the configuration chooses one: the paper's (#smr_config_camera, #smr_config_paper) or the robust
- * one (#smr_config_robust, #smr_config_refined). The paper's tracker compares the target's last appearance, the template, with every offset in a search
+ * one (#smr_config_robust, #smr_config_refined). The paper tracker compares the target's last appearance, the template, with every offset in a search
  * window; the best offset is the new box, and its pixels are the next template. The robust tracker goes beyond the paper: it follows changes of light, size and view, reports
  * when the target is not visible, and searches for it then. It takes more memory and time. All calls are the same.
  *
@@ -55,7 +55,7 @@
 #include <stdint.h>
 
 /**
- * The capacity of the paper's tracker: the largest area of a box in pixels, and the most offsets of the search window on an axis.
+ * The capacity of the paper tracker: the largest area of a box in pixels, and the most offsets of the search window on an axis.
  *
  * Both are fixed when the library is built, by environment variables of the same names. If you build the library with other
  * numbers, define these macros to the same numbers before you include this file. If you forget it, #smr_init may report memory
@@ -78,12 +78,12 @@
 /** Alignment of storage and workspace, in bytes. */
 #define SMR_ALIGNMENT 8
 
-/** Bytes of storage for one of the paper's trackers, a constant expression. At run time, ask #smr_target_size. */
+/** Bytes of storage for a paper tracker, a constant expression. At run time, ask #smr_target_size. */
 #define SMR_PAPER_TARGET_SIZE (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 10 * sizeof(size_t) + 112)
-/** Bytes of a workspace for any number of the paper's trackers, a constant expression. */
+/** Bytes of a workspace for any number of the paper trackers, a constant expression. */
 #define SMR_PAPER_WORKSPACE_SIZE \
     (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 1184)
-/** The most bytes that #smr_save writes for the paper's tracker. */
+/** The most bytes that #smr_save writes for the paper tracker. */
 #define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 94)
 /** Bytes of storage for one robust tracker, a constant expression. */
 #define SMR_ROBUST_TARGET_SIZE (12400 + 8 * sizeof(size_t))
@@ -95,7 +95,7 @@
 /** A target with a lower quality may slip along its own texture unnoticed: see #smr_quality. */
 #define SMR_POOR_QUALITY 1023
 
-/** Storage for one of the paper's trackers, with the right size and alignment: static, on the stack or in a larger object. */
+/** Storage for a paper tracker, with the right size and alignment: static, on the stack or in a larger object. */
 typedef union smr_paper_target {
     /** Sets the alignment. */
     uint64_t alignment;
@@ -103,7 +103,7 @@ typedef union smr_paper_target {
     unsigned char bytes[SMR_PAPER_TARGET_SIZE];
 } smr_paper_target;
 
-/** A workspace for any number of the paper's trackers. */
+/** A workspace for any number of the paper trackers. */
 typedef union smr_paper_workspace {
     /** Sets the alignment. */
     uint64_t alignment;
@@ -355,11 +355,11 @@ enum smr_state
   SMR_LEAVING = 1,
   /**
    * The box hardly matches the early template: the target is partly hidden or changes quickly, or the tracker
-   * follows something else. The paper's tracker never returns this state.
+   * follows something else. The paper tracker never returns this state.
    */
   SMR_UNCERTAIN = 2,
   /**
-   * The target is not visible; the search continues. The box is the last accepted one (paper's tracker) or the
+   * The target is not visible; the search continues. The box is the last accepted one (paper tracker) or the
    * current best guess (robust tracker). Nothing is learned, unless only the refiner judges the target lost.
    */
   SMR_LOST = 3,
@@ -526,7 +526,7 @@ typedef struct smr_margins {
 } smr_margins;
 
 /**
- * The settings of the paper's tracker.
+ * The settings of the paper tracker.
  */
 typedef struct smr_paper_config {
   /**
@@ -668,7 +668,7 @@ typedef struct smr_config {
    */
   uint8_t plain_loop;
   /**
-   * Settings of the paper's tracker; all 0 after #smr_config_robust and #smr_config_refined.
+   * Settings of the paper tracker; all 0 after #smr_config_robust and #smr_config_refined.
    */
   struct smr_paper_config paper;
   /**
@@ -815,7 +815,7 @@ typedef struct smr_answer {
    */
   struct smr_rect bbox;
   /**
-   * The target's box in units of 1/256 pixel. The paper's tracker returns only multiples of 256, that is, whole
+   * The target's box in units of 1/256 pixel. The paper tracker returns only multiples of 256, that is, whole
    * pixels.
    */
   struct smr_fine_rect fine;
@@ -824,17 +824,17 @@ typedef struct smr_answer {
    */
   smr_state state;
   /**
-   * The target's size relative to its size at the lock, in units of 1/65536; always 65536 from the paper's tracker.
+   * The target's size relative to its size at the lock, in units of 1/65536; always 65536 from the paper tracker.
    */
   uint32_t scale;
   /**
-   * The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: 2/3 of the running
+   * The confidence in the box. The paper tracker: `ratio`, or 0 when lost. The robust tracker: 2/3 of the running
    * mean, over the frames, of the evidence. A frame's evidence is the agreement with the early template (0 to 1)
    * plus the filter response (clamped to 0 to 1/2).
    */
   uint16_t confidence;
   /**
-   * The similarity of the box to the template. The paper's tracker: the similarity matching ratio, rounded down. The
+   * The similarity of the box to the template. The paper tracker: the similarity matching ratio, rounded down. The
    * robust tracker: the fourth lowest of the similarity matching ratios of the early template's 16 tiles.
    */
   uint16_t ratio;
@@ -993,7 +993,7 @@ typedef struct smr_entry {
    */
   uint8_t is_robust;
   /**
-   * Settings of the paper's tracker.
+   * Settings of the paper tracker.
    */
   struct smr_paper_config paper;
   /**
@@ -1056,7 +1056,7 @@ const char *smr_status_name(int32_t status);
 const char *smr_version(void);
 
 /**
- * Fills a configuration of the paper's tracker with values for cameras. They limit the tracker's time and memory.
+ * Fills a configuration of the paper tracker with values for cameras. They limit the tracker's time and memory.
  *
  * Unlike with #smr_config_paper, the window of a lost target grows by at most 20 pixels on each side, and all windows
  * fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the
@@ -1068,7 +1068,7 @@ const char *smr_version(void);
 smr_status smr_config_camera(struct smr_config *config);
 
 /**
- * Fills a configuration of the paper's tracker with the values of the authors' program, for frames of about 320x240.
+ * Fills a configuration of the paper tracker with the values of the authors' program, for frames of about 320x240.
  *
  * The window of a lost target grows to the padded frame, so #SMR_SPAN must be at least frame + 40 - box + 1 on each
  * axis; otherwise #smr_lock returns #SMR_ERROR_WINDOW_TOO_LARGE. For firmware use #smr_config_camera.
@@ -1080,7 +1080,7 @@ smr_status smr_config_paper(struct smr_config *config);
 
 /**
  * Fills a configuration of the robust tracker without the refiner. It follows changes of light, size and view, reports
- * when the target is not visible, and then searches for it. It takes more memory and time than the paper's tracker.
+ * when the target is not visible, and then searches for it. It takes more memory and time than the paper tracker.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -1178,7 +1178,7 @@ smr_status smr_init(void *storage,
  * @param width    Width of the frame in pixels.
  * @param height   Height of the frame in pixels.
  * @param bbox     The box, completely inside the frame.
- * @param window   Is set to a rectangle inside the frame. The paper's tracker: the box. The robust tracker: the box
+ * @param window   Is set to a rectangle inside the frame. The paper tracker: the box. The robust tracker: the box
  *                 and its surroundings. Unchanged after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_BOX_EMPTY or
  *                 #SMR_ERROR_BOX_OUTSIDE_FRAME.
@@ -1192,11 +1192,11 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
 /**
  * Starts to follow the target in a box, and forgets any previous target. Reads only the pixels in #smr_lock_window.
  *
- * Cost: a copy of the box and two comparisons per pixel (paper's tracker), or two to three updates (robust tracker).
+ * Cost: a copy of the box and two comparisons per pixel (paper tracker), or two to three updates (robust tracker).
  *
  * @param tracker  Made by #smr_init.
  * @param frame    The frame. Its parts in memory cover #smr_lock_window.
- * @param bbox     The box, completely inside the frame; for the paper's tracker at most #SMR_PIXELS pixels.
+ * @param bbox     The box, completely inside the frame; for the paper tracker at most #SMR_PIXELS pixels.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
  *                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME) or of the box (#SMR_ERROR_BOX_EMPTY to
  *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY).
@@ -1208,7 +1208,7 @@ smr_status smr_lock(struct smr_tracker *tracker,
 /**
  * Does one bounded step of a lock, for programs with a deadline. Begins a lock, or continues the one under way if
  * `bbox` and the frame's size are unchanged. Call it again while it returns #SMR_UNDER_WAY; the tracker has no target
- * before the last step. A lock takes at most 11.2 million units of work (see #smr_update_step). The paper's tracker
+ * before the last step. A lock takes at most 11.2 million units of work (see #smr_update_step). The paper tracker
  * locks in one step.
  *
  * @param tracker  Made by #smr_init.
@@ -1225,7 +1225,7 @@ smr_status smr_lock_step(struct smr_tracker *tracker,
 /**
  * Finds the target in the next frame. Reads only the pixels in #smr_windows.
  *
- * Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
+ * Cost of the paper tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
  * in the window) * (pixels of the template) comparisons, twice that in the frame in which the target begins to leave,
  * and far fewer if it is clearly visible. Cost of the robust tracker: at most 726 * 2000 products.
  *
@@ -1276,7 +1276,7 @@ smr_status smr_windows(const struct smr_tracker *tracker,
 
 /**
  * Reports a turn of the camera since the last frame: what was at (x, y) is expected at (x + right, y + down). Moves
- * the box and the search window by this motion, but keeps the box in or near the frame. The paper's tracker rounds the
+ * the box and the search window by this motion, but keeps the box in or near the frame. The paper tracker rounds the
  * motion to whole pixels. Cancels a lock or an update under way. Without a target, nothing moves.
  *
  * @param tracker  Made by #smr_init.
@@ -1312,7 +1312,7 @@ smr_status smr_last(const struct smr_tracker *tracker,
                     smr_state *state);
 
 /**
- * Copies the current template (paper's tracker) or the early template, which verifies the target (robust tracker).
+ * Copies the current template (paper tracker) or the early template, which verifies the target (robust tracker).
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param pixels   Memory for the pixels, row by row without gaps, outside the tracker's own memory.

@@ -13,9 +13,9 @@ pub enum smr_state {
     /// The box, with the target in it, is partly outside the frame. The template is not updated. Paper's tracker only.
     SMR_LEAVING = 1,
     /// The box hardly matches the early template: the target is partly hidden or changes quickly, or the tracker
-    /// follows something else. The paper's tracker never returns this state.
+    /// follows something else. The paper tracker never returns this state.
     SMR_UNCERTAIN = 2,
-    /// The target is not visible; the search continues. The box is the last accepted one (paper's tracker) or the
+    /// The target is not visible; the search continues. The box is the last accepted one (paper tracker) or the
     /// current best guess (robust tracker). Nothing is learned, unless only the refiner judges the target lost.
     SMR_LOST = 3,
 }
@@ -26,18 +26,18 @@ pub enum smr_state {
 pub struct smr_answer {
     /// The target's box in whole pixels.
     pub bbox: smr_rect,
-    /// The target's box in units of 1/256 pixel. The paper's tracker returns only multiples of 256, that is, whole
+    /// The target's box in units of 1/256 pixel. The paper tracker returns only multiples of 256, that is, whole
     /// pixels.
     pub fine: smr_fine_rect,
     /// The reliability of the box: tracking, leaving, uncertain or lost.
     pub state: smr_state,
-    /// The target's size relative to its size at the lock, in units of 1/65536; always 65536 from the paper's tracker.
+    /// The target's size relative to its size at the lock, in units of 1/65536; always 65536 from the paper tracker.
     pub scale: u32,
-    /// The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: 2/3 of the running
+    /// The confidence in the box. The paper tracker: `ratio`, or 0 when lost. The robust tracker: 2/3 of the running
     /// mean, over the frames, of the evidence. A frame's evidence is the agreement with the early template (0 to 1)
     /// plus the filter response (clamped to 0 to 1/2).
     pub confidence: u16,
-    /// The similarity of the box to the template. The paper's tracker: the similarity matching ratio, rounded down. The
+    /// The similarity of the box to the template. The paper tracker: the similarity matching ratio, rounded down. The
     /// robust tracker: the fourth lowest of the similarity matching ratios of the early template's 16 tiles.
     pub ratio: u16,
     /// The ratio of the runner-up, which is the best match outside the neighbourhood of the best match (see

@@ -2,10 +2,10 @@
 
 use smr_core::{Paper, Quality, Robust, Target};
 
-/// The largest area of the paper's tracker's box, in pixels: `SMR_PIXELS` in the build's environment, or 4096.
+/// The largest area of the paper tracker's box, in pixels: `SMR_PIXELS` in the build's environment, or 4096.
 pub const PIXELS: usize = number(option_env!("SMR_PIXELS"), 4096);
 
-/// Largest number of offsets on an axis of the paper's tracker's window: `SMR_SPAN` in the build's environment, or 161.
+/// Largest number of offsets on an axis of the paper tracker's window: `SMR_SPAN` in the build's environment, or 161.
 pub const SPAN: usize = number(option_env!("SMR_SPAN"), 161);
 
 pub(crate) type PaperTarget = Paper<PIXELS, SPAN>;
@@ -13,7 +13,7 @@ pub(crate) type PaperTarget = Paper<PIXELS, SPAN>;
 /// Alignment of storage and workspace in bytes: `SMR_ALIGNMENT` in the header.
 pub const ALIGNMENT: usize = 8;
 
-/// Bytes of the paper's tracker (`SMR_PAPER_TARGET_SIZE`): `PIXELS`, the fixed fields, and a small reserve.
+/// Bytes of the paper tracker (`SMR_PAPER_TARGET_SIZE`): `PIXELS`, the fixed fields, and a small reserve.
 pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 10]>() + 112;
 
 /// Extra bytes of the table of similarities on 32-bit processors without DSP or SIMD, for its entries for negative
@@ -21,12 +21,12 @@ pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usi
 /// that one header fits every processor.
 pub(crate) const SIGNED_DIFFERENCES: usize = 512;
 
-/// Bytes of the paper's tracker's workspace (`SMR_PAPER_WORKSPACE_SIZE`): `PIXELS`, five 32-bit words for each of
+/// Bytes of the paper tracker's workspace (`SMR_PAPER_WORKSPACE_SIZE`): `PIXELS`, five 32-bit words for each of
 /// `SPAN` offsets, 22 pointer-sized words and 672 bytes for other fields, and `SIGNED_DIFFERENCES`.
 pub const PAPER_WORKSPACE_SIZE: usize =
     PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 672 + SIGNED_DIFFERENCES;
 
-/// Largest size of a saved target of the paper's tracker, in bytes: `SMR_PAPER_SAVED_SIZE` in the header.
+/// Largest size of a saved target of the paper tracker, in bytes: `SMR_PAPER_SAVED_SIZE` in the header.
 pub const PAPER_SAVED_SIZE: usize = PIXELS + 94;
 
 /// Bytes that the refiner adds to a robust tracker. The size in the header always includes them, so that one header

@@ -41,7 +41,7 @@ pub struct smr_margins {
     pub bottom: u16,
 }
 
-/// The settings of the paper's tracker.
+/// The settings of the paper tracker.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 #[allow(missing_docs)] // the header has their texts from `Settings::TEXTS`
@@ -92,7 +92,7 @@ pub struct smr_config {
     /// and gives the same answers. This is for frames in Device memory (external RAM that the MPU has not made Normal),
     /// where unaligned word loads fault.
     pub plain_loop: u8,
-    /// Settings of the paper's tracker; all 0 after #smr_config_robust and #smr_config_refined.
+    /// Settings of the paper tracker; all 0 after #smr_config_robust and #smr_config_refined.
     pub paper: smr_paper_config,
     /// Settings of the robust tracker; all 0 after #smr_config_camera and #smr_config_paper.
     pub robust: smr_robust_config,

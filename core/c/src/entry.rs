@@ -51,7 +51,7 @@ pub struct smr_entry {
     pub saved_size: usize,
     /// The tracker of #SMR_ENTRY_BEGIN: 1 for the robust one, 0 for the paper's.
     pub is_robust: u8,
-    /// Settings of the paper's tracker.
+    /// Settings of the paper tracker.
     pub paper: smr_paper_config,
     /// Settings of the robust tracker.
     pub robust: smr_robust_config,

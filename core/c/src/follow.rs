@@ -117,7 +117,7 @@ unsafe fn init(
 /// @param width    Width of the frame in pixels.
 /// @param height   Height of the frame in pixels.
 /// @param bbox     The box, completely inside the frame.
-/// @param window   Is set to a rectangle inside the frame. The paper's tracker: the box. The robust tracker: the box
+/// @param window   Is set to a rectangle inside the frame. The paper tracker: the box. The robust tracker: the box
 ///                 and its surroundings. Unchanged after an error.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_BOX_EMPTY or
 ///                 #SMR_ERROR_BOX_OUTSIDE_FRAME.
@@ -179,11 +179,11 @@ unsafe fn follow(
 
 /// Starts to follow the target in a box, and forgets any previous target. Reads only the pixels in #smr_lock_window.
 ///
-/// Cost: a copy of the box and two comparisons per pixel (paper's tracker), or two to three updates (robust tracker).
+/// Cost: a copy of the box and two comparisons per pixel (paper tracker), or two to three updates (robust tracker).
 ///
 /// @param tracker  Made by #smr_init.
 /// @param frame    The frame. Its parts in memory cover #smr_lock_window.
-/// @param bbox     The box, completely inside the frame; for the paper's tracker at most #SMR_PIXELS pixels.
+/// @param bbox     The box, completely inside the frame; for the paper tracker at most #SMR_PIXELS pixels.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
 ///                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME) or of the box (#SMR_ERROR_BOX_EMPTY to
 ///                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY).
@@ -200,7 +200,7 @@ pub unsafe extern "C" fn smr_lock(
 
 /// Does one bounded step of a lock, for programs with a deadline. Begins a lock, or continues the one under way if
 /// `bbox` and the frame's size are unchanged. Call it again while it returns #SMR_UNDER_WAY; the tracker has no target
-/// before the last step. A lock takes at most 11.2 million units of work (see #smr_update_step). The paper's tracker
+/// before the last step. A lock takes at most 11.2 million units of work (see #smr_update_step). The paper tracker
 /// locks in one step.
 ///
 /// @param tracker  Made by #smr_init.
@@ -222,7 +222,7 @@ pub unsafe extern "C" fn smr_lock_step(
 
 /// Finds the target in the next frame. Reads only the pixels in #smr_windows.
 ///
-/// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
+/// Cost of the paper tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
 /// in the window) * (pixels of the template) comparisons, twice that in the frame in which the target begins to leave,
 /// and far fewer if it is clearly visible. Cost of the robust tracker: at most 726 * 2000 products.
 ///
@@ -291,7 +291,7 @@ pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut 
 }
 
 /// Reports a turn of the camera since the last frame: what was at (x, y) is expected at (x + right, y + down). Moves
-/// the box and the search window by this motion, but keeps the box in or near the frame. The paper's tracker rounds the
+/// the box and the search window by this motion, but keeps the box in or near the frame. The paper tracker rounds the
 /// motion to whole pixels. Cancels a lock or an update under way. Without a target, nothing moves.
 ///
 /// @param tracker  Made by #smr_init.

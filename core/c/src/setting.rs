@@ -16,7 +16,7 @@ const CAMERA: paper::Config = {
     paper::Config::camera_within(if SPAN > 160 { 80 } else { (SPAN as u16 - 1) / 2 })
 };
 
-/// Fills a configuration of the paper's tracker with values for cameras. They limit the tracker's time and memory.
+/// Fills a configuration of the paper tracker with values for cameras. They limit the tracker's time and memory.
 ///
 /// Unlike with #smr_config_paper, the window of a lost target grows by at most 20 pixels on each side, and all windows
 /// fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the
@@ -30,7 +30,7 @@ pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_statu
     status_of(unsafe { fill(config, method_of::<PaperTarget>(), |config| config.paper = (&CAMERA).into()) })
 }
 
-/// Fills a configuration of the paper's tracker with the values of the authors' program, for frames of about 320x240.
+/// Fills a configuration of the paper tracker with the values of the authors' program, for frames of about 320x240.
 ///
 /// The window of a lost target grows to the padded frame, so #SMR_SPAN must be at least frame + 40 - box + 1 on each
 /// axis; otherwise #smr_lock returns #SMR_ERROR_WINDOW_TOO_LARGE. For firmware use #smr_config_camera.
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status
 }
 
 /// Fills a configuration of the robust tracker without the refiner. It follows changes of light, size and view, reports
-/// when the target is not visible, and then searches for it. It takes more memory and time than the paper's tracker.
+/// when the target is not visible, and then searches for it. It takes more memory and time than the paper tracker.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.

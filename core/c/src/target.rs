@@ -53,7 +53,7 @@ pub unsafe extern "C" fn smr_last(
     })
 }
 
-/// Copies the current template (paper's tracker) or the early template, which verifies the target (robust tracker).
+/// Copies the current template (paper tracker) or the early template, which verifies the target (robust tracker).
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param pixels   Memory for the pixels, row by row without gaps, outside the tracker's own memory.

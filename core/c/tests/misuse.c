@@ -506,7 +506,7 @@ static void boxes(void)
     REFUSED_BOX(0, 0, 1, 1, SMR_OK);
 }
 
-/* Only the paper's tracker refuses a box or window as too large. */
+/* Only the paper tracker refuses a box or window as too large. */
 static void capacities(void)
 {
     static uint8_t wide[SMR_PIXELS + 1 > 2 * SMR_SPAN + 4 ? SMR_PIXELS + 1 : 2 * SMR_SPAN + 4];

@@ -276,7 +276,7 @@ int main(int count, char **words)
     seed = count > 2 ? (uint32_t)strtoul(words[2], NULL, 10) | 1 : 1;
     draw();
     for (robust = 0; robust <= 1; robust++) {
-        /* Work of a step. An update takes some thousand units of the paper's tracker, and 3,000,000 of the robust one. */
+        /* Work of a step. An update takes some thousand units of the paper tracker, and 3,000,000 of the robust one. */
         uint32_t most = robust ? 1000000 : 1000;
         smr_frame first = of(pixels[0], WIDTH, HEIGHT);
         smr_tracker *tracker = made_in(&storage);

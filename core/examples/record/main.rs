@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The first command runs the firmware in QEMU and writes `record.smr` to the working folder. The second replays that
-//! record and compares every answer. The log also contains the paper's tracker's record, which `host-sim replay` can
+//! record and compares every answer. The log also contains the paper tracker's record, which `host-sim replay` can
 //! read. On a board, write to flash, an SD card, a serial line, or the debug probe's log.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -59,7 +59,7 @@ mod firmware {
             defmt::println!("smr-record {=[u8]:02x}", bytes);
             Ok(())
         };
-        let done = follow::<Small>("smr", config, FRAME, &mut timer, &mut to_file)
+        let done = follow::<Small>("paper", config, FRAME, &mut timer, &mut to_file)
             .and_then(|()| follow::<Robust>("robust", robust::Config::robust(), FRAME, &mut timer, &mut to_file))
             .and_then(|()| follow::<Small>("smr, to the log", config, FRAME, &mut timer, to_log));
         match done {

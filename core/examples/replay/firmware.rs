@@ -16,12 +16,12 @@ const NONE: u32 = u32::MAX;
 /// The size in bytes of an entry that contains an answer.
 const ANSWER: usize = AROUND + 30;
 
-/// The paper's tracker for the test vectors: boxes of up to 128 pixels, and windows of up to +-60 pixels.
+/// The paper tracker for the test vectors: boxes of up to 128 pixels, and windows of up to +-60 pixels.
 #[cfg(feature = "small")]
-type Smr = Paper<128, 121>;
-/// The paper's tracker for boxes of up to 64x64 pixels, and windows of up to +-16 pixels, growth included.
+type PaperTracker = Paper<128, 121>;
+/// The paper tracker for boxes of up to 64x64 pixels, and windows of up to +-16 pixels, growth included.
 #[cfg(not(feature = "small"))]
-type Smr = Paper<{ 64 * 64 }, 33>;
+type PaperTracker = Paper<{ 64 * 64 }, 33>;
 
 /// A tracker that can be replayed. All its memory is on the stack, so the measured stack includes it.
 trait Replayed: Recorded {
@@ -34,7 +34,7 @@ trait Replayed: Recorded {
 
 const BACKEND: Option<Backend> = if cfg!(feature = "plain") { Some(Backend::Scalar) } else { None };
 
-impl Replayed for Smr {
+impl Replayed for PaperTracker {
     type Buffer = [u8; 96 * 96 + AROUND + 20];
     const BUFFER: Self::Buffer = [0; 96 * 96 + AROUND + 20];
 
@@ -137,7 +137,7 @@ impl Run {
         let mut letter = [0];
         self.record.read(HEAD as u64 + 2, &mut letter).ok_or(End::Damaged)?;
         match letter {
-            [Smr::TRACKER] => self.replay::<Smr>(),
+            [PaperTracker::TRACKER] => self.replay::<PaperTracker>(),
             [Robust::TRACKER] => self.replay::<Robust>(),
             _ => Err(End::Configuration),
         }

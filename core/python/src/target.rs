@@ -12,7 +12,7 @@ use smr_core::{Answer, ConfigError, Frame, Rect, Robust, Steps, Target as _, Upd
 use smr_evaluation::{MethodKind, Refused};
 use std::cell::RefCell;
 
-/// The paper's tracker with host-sim's limits on the pixels of a template and the offsets of a search window.
+/// The paper tracker with host-sim's limits on the pixels of a template and the offsets of a search window.
 type Paper = smr_evaluation::Paper;
 type PaperWorkspace = paper::Workspace<{ smr_evaluation::MAX_PIXELS }, { smr_evaluation::MAX_OFFSETS }>;
 
@@ -93,7 +93,7 @@ impl Target {
 
     pub fn kind(&self) -> MethodKind {
         match self {
-            Self::Paper(_) => MethodKind::Smr,
+            Self::Paper(_) => MethodKind::Paper,
             Self::Robust(_) => MethodKind::Robust,
         }
     }

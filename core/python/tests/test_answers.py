@@ -18,8 +18,8 @@ TRACKERS = {
     "robust with options": (lambda: smr.Robust(reach=5, patience=200, sweep=0), ["--set=reach=5", "--set=patience=200", "--set=sweep=0"]),
     "robust without the refiner": (lambda: smr.Robust(refiner=False), ["--set=refiner=off"]),
     "the preset robust": (lambda: smr.Robust("robust"), ["--config=robust"]),
-    "camera": (smr.Paper, ["--method=smr", "--config=camera"]),
-    "paper": (lambda: smr.Paper(preset="paper", k=(7, 20), runner_up_always=True), ["--method=smr", "--set=k=7/20", "--set=runner_up_always=on"]),
+    "camera": (smr.Paper, ["--method=paper", "--config=camera"]),
+    "paper": (lambda: smr.Paper(preset="paper", k=(7, 20), runner_up_always=True), ["--method=paper", "--set=k=7/20", "--set=runner_up_always=on"]),
 }  # fmt: skip
 RECORDINGS = [
     *(pytest.param(name, id=name) for name in ("synthetic", "border", "periodic", "noise")),

@@ -27,7 +27,7 @@ def test_figures_are_those_of_host_sim(host_sim):
     recordings = RECORDINGS[:2]
     for starts, options in [("given", ["--starts=1"]), ("near", []), (20, ["--starts=every:20"])]:
         measured = smr.evaluate(recordings, trackers, starts=starts)
-        text = host_sim("eval", "--robustness", "--method=smr,robust", *options, *recordings, "--json")
+        text = host_sim("eval", "--robustness", "--method=paper,robust", *options, *recordings, "--json")
         rows = json.loads(text)["measured"]
         expected = [{name: value for name, value in row.items() if name not in (TIME, "options")} for row in rows]
         assert figures(measured) == expected

@@ -28,7 +28,7 @@ def test_result_files_have_the_boxes_of_host_sim(tmp_path, monkeypatch, host_sim
     from got10k.experiments import ExperimentGOT10k
 
     sequence = tmp_path / "data/val/synthetic"
-    # A recording with frames in which `smr` loses the target.
+    # A recording with frames in which `paper` loses the target.
     host_sim("convert", "synthetic", "--frames", f"{241 - FRAMES}..240", "--format", "got10k", "-o", str(sequence))
     for picture in sequence.glob("*.jpg"):
         as_png(picture)

@@ -10,7 +10,7 @@ use core::fmt;
 
 /// Follows one target: a [`Target`] and its workspace. Holds all memory; there is no heap.
 ///
-/// `Tracker<Paper<PIXELS, SPAN>>` is the paper's tracker, `Tracker<Robust>` the robust one. All calls are the same. The
+/// `Tracker<Paper<PIXELS, SPAN>>` is the paper tracker, `Tracker<Robust>` the robust one. All calls are the same. The
 /// [crate's example](crate) uses whole frames. This one reads out only the window that the tracker needs:
 ///
 /// ```

@@ -23,7 +23,7 @@ enum Call {
 }
 
 /// The work that is left to the present step, and the work of all steps so far. A unit is about one instruction of a
-/// Cortex-M4, or for the paper's tracker a comparison of two bytes.
+/// Cortex-M4, or for the paper tracker a comparison of two bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget {
     granted: u32,

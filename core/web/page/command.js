@@ -4,8 +4,8 @@ import { SETTINGS } from "./methods.js";
 
 /** Returns the options of `host-sim track` that differ from its defaults, by name. */
 export function optionsOf(method, settings) {
-  if (method === "smr") {
-    const { config } = settings.smr;
+  if (method === "paper") {
+    const { config } = settings.paper;
     return config === "paper" ? {} : { config };
   }
   const changed = Object.entries(SETTINGS.robust).map(([name, usual]) => [name, settings.robust[name], usual]).filter(([, is, usual]) => is !== usual);

@@ -20,7 +20,7 @@ export function showTracker({ methods, method, options: { set = [], config } }) 
   }
   SWITCHES.forEach((part) => (byId(part).checked = !["off", "0"].includes(given[part])));
   byId("refiner").checked &&= config !== "robust" || "refiner" in given;
-  byId("config").value = method === "smr" ? (config ?? "paper") : SETTINGS.smr.config;
+  byId("config").value = method === "paper" ? (config ?? "paper") : SETTINGS.paper.config;
   byId("method").value = method;
   showMethod();
 }
@@ -36,7 +36,7 @@ export function chosenTracker(before) {
   const { set = [], config, ...others } = method === before.method ? before.options : {};
   const valueOf = (name) => (NUMBERS.includes(name) ? Number(byId(name).value) : byId(name).checked);
   const robust = Object.fromEntries([...NUMBERS, ...SWITCHES].map((name) => [name, valueOf(name)]));
-  const { set: own = [], ...options } = optionsOf(method, { robust, smr: { config: byId("config").value } });
+  const { set: own = [], ...options } = optionsOf(method, { robust, paper: { config: byId("config").value } });
   const all = [...set.filter((one) => !(one.split("=")[0] in robust)), ...own];
   return { method, options: { ...others, ...options, ...(all.length === 0 ? {} : { set: all }) } };
 }

@@ -9,7 +9,7 @@ import { Recorder } from "../record.js";
 import { State } from "../smr.js";
 import { PROJECT, libraries } from "./library.mjs";
 
-// Options of the paper's tracker (P) and of the robust one (R), in the order of the flight record. Each value is the
+// Options of the paper tracker (P) and of the robust one (R), in the order of the flight record. Each value is the
 // count of 16-bit numbers in that option.
 const OPTIONS = {
   P: {

@@ -16,7 +16,7 @@ const folder = mkdtempSync(join(tmpdir(), "smr-web-"));
 after(() => rmSync(folder, { recursive: true }));
 const { simd: smr } = await libraries();
 
-const OPTIONS = { paper: ["--method", "smr", "--config", "camera"], robust: ["--method", "robust"] };
+const OPTIONS = { paper: ["--method", "paper", "--config", "camera"], robust: ["--method", "robust"] };
 const recording = [...frames({ count: 24, side: 20 })];
 // The target is hidden in frames 9 to 16, so that the tracker loses it, searches for it and finds it again.
 const hidden = { ...recording[23], data: recording[23].data.map(() => 90) };
@@ -42,7 +42,7 @@ function pictures(name, frames) {
 const millionths = (value, unit) => Math.round((1e6 * value) / unit) / 1e6;
 
 /**
- * Converts an answer to host-sim's JSON, which has no box of a lost target. The work of the paper's tracker is left
+ * Converts an answer to host-sim's JSON, which has no box of a lost target. The work of the paper tracker is left
  * out, because it depends on the tracker's capacity, which is larger in host-sim.
  */
 function printed({ box, fineBox, state, confidence, ratio, alpha, scale, foundAgain, work }, method) {

@@ -108,11 +108,11 @@ export async function followed(page) {
 }
 
 // Removes the column `work` of SMR, which depends on the tracker's capacity, which is larger in host-sim.
-export const columns = (method) => (line) => (method === "smr" ? line.slice(0, line.lastIndexOf(",")) : line);
+export const columns = (method) => (line) => (method === "paper" ? line.slice(0, line.lastIndexOf(",")) : line);
 
 export function same(found, expected, method) {
   found.forEach((answer, at) => {
-    const work = method === "smr" ? { work: answer.work } : {};
+    const work = method === "paper" ? { work: answer.work } : {};
     assert.deepEqual(answer, { ...expected[at], ...work }, `${method}, frame ${at + 1}`);
   });
 }

@@ -77,7 +77,7 @@ test("rows are those of host-sim", () => {
   assert.equal(csv([["1", rows]], timeOf), head + written.map((row) => `${row}\n`).join(""));
   const both = csv([["1", rows], ["2", rows]], timeOf);
   assert.equal(both, `target,${head}${written.flatMap((row) => [`1,${row}\n`, `2,${row}\n`]).join("")}`);
-  const origin = { version: "0.1.0", method: "smr", options: { config: "camera" } };
+  const origin = { version: "0.1.0", method: "paper", options: { config: "camera" } };
   const [locked, , lost] = json([["1", rows]], origin, timeOf).trim().split("\n").map((line) => JSON.parse(line));
   assert.deepEqual(locked, {
     ...origin, frame: 7, time: 0.2, state: "tracking", box: BOX, fine: BOX, confidence: null, ratio: null,
@@ -88,8 +88,8 @@ test("rows are those of host-sim", () => {
 
 test("options and names are those of a shell", () => {
   assert.deepEqual(["a-b/c.mp4", "it's a car.mp4", "-x"].map(quoted), ["a-b/c.mp4", "'it'\\''s a car.mp4'", "'-x'"]);
-  const settings = { smr: { config: "paper" }, robust: { reach: 6, size: false, sweep: 0, refiner: false } };
-  assert.deepEqual(optionsOf("smr", settings), {});
+  const settings = { paper: { config: "paper" }, robust: { reach: 6, size: false, sweep: 0, refiner: false } };
+  assert.deepEqual(optionsOf("paper", settings), {});
   assert.deepEqual(typed(optionsOf("robust", settings)), ["--set reach=6", "--set size=off", "--set sweep=0", "--set refiner=off"]);
   const one = { name: "1", locks: [{ number: 1, box: BOX }, { number: 9, box: null }] };
   assert.deepEqual(initsOf([one]), ["--init 1,2,30,40", "--init gone@9"]);
@@ -99,9 +99,9 @@ test("options and names are those of a shell", () => {
 test("instructions are about what was measured", () => {
   const said = (method, answer) => Object.values(instructions(method, answer)).map(about);
   assert.deepEqual(said("robust", { work: 4_325_579 }), ["about 4.7 M", "about 1.4 M"]);
-  assert.deepEqual(said("smr", { work: 57_019, runnerUpRatio: null }), ["about 180 k", "about 91 k"]);
-  assert.deepEqual(said("smr", { work: 931_000, runnerUpRatio: 9 }), ["about 5.6 M", "about 2.9 M"]);
-  assert.deepEqual(said("smr", {}), ["–", "–"]);
+  assert.deepEqual(said("paper", { work: 57_019, runnerUpRatio: null }), ["about 180 k", "about 91 k"]);
+  assert.deepEqual(said("paper", { work: 931_000, runnerUpRatio: 9 }), ["about 5.6 M", "about 2.9 M"]);
+  assert.deepEqual(said("paper", {}), ["–", "–"]);
 });
 
 test("events: losses end by being found or by a correction, and doubts that last count", () => {

@@ -85,7 +85,7 @@ for (const [name, length, rate, ...options] of FILMS) {
     const robust = expected(file, "robust", "--init", BOX);
     await open(page, file);
     await lockFirst(page);
-    for (const [method, ...of] of [["robust"], ["smr", "--config", "camera"]]) {
+    for (const [method, ...of] of [["robust"], ["paper", "--config", "camera"]]) {
       await page.select("method", method);
       await followed(page);
       const found = await answers(page);

@@ -15,7 +15,7 @@ const told = (...words) => lines(host(...words, "--json").stdout).map((line) => 
 
 onPage("the built-in recording moves at once, and its answers are those of host-sim", async (page) => {
   await page.until(`${NUMBER} > 5`);
-  for (const [method, ...options] of [["robust"], ["smr", "--config", "camera"]]) {
+  for (const [method, ...options] of [["robust"], ["paper", "--config", "camera"]]) {
     await page.select("method", method);
     await followed(page);
     const expected = told("track", "street", "--method", method, ...options);
@@ -123,12 +123,12 @@ onPage("other settings follow the targets anew, and what is undone is followed a
 onPage("a box of 0x0, one that is refused, a removed target", async (page) => {
   await pausedAt(page, 4);
   await page.click("#plays");
-  await page.select("method", "smr");
-  await page.until(`document.getElementById("track").textContent.includes("--method smr")`);
+  await page.select("method", "paper");
+  await page.until(`document.getElementById("track").textContent.includes("--method paper")`);
   const before = await page.text("track");
   await page.click("#add");
   await dragBox(page, { x: 2, y: 2, width: 310, height: 230 });
-  await page.until(`document.getElementById("said").textContent.startsWith("Paper's tracker (SMR, 2013) did not lock: ")`);
+  await page.until(`document.getElementById("said").textContent.startsWith("Paper tracker (SMR, 2013) did not lock: ")`);
   await page.until(`document.getElementById("track").textContent === ${JSON.stringify(before)}`);
   await dragBox(page, { x: 80, y: 160, width: 20, height: 0 });
   await page.until(`document.getElementById("said").textContent === "The box has no pixels: drag from one corner to the other."`);
@@ -183,7 +183,7 @@ for (const scheme of ["light", "dark"]) {
     await page.until(`${NUMBER} > 40`);
     await shoot(page, scheme, 1280);
     const report = join(folder, `${scheme}.html`);
-    assert.equal(host("report", "synthetic", "--frames", "1..3", "--method", "robust,smr", "--out", report).status, 0);
+    assert.equal(host("report", "synthetic", "--frames", "1..3", "--method", "robust,paper", "--out", report).status, 0);
     const theirs = await browser.page(pathToFileURL(report).href, { scheme });
     assert.deepEqual(await page.value(COLORS), await theirs.value(COLORS.replace("look-robust", "look-0").replace("look-smr", "look-1")));
     await theirs.close();

@@ -221,8 +221,8 @@ onWindow("a target that is lost is said to be, and a box over it locks again", a
   await says(page, "lost", `/^Lost since .*frame ${lost.frame}.*Drag a box over it to lock again/`);
   await dragBox(page, [60, 40, 30, 30]);
   await page.until(`document.getElementById("lost").hidden`);
-  await commands(page, new RegExp(`@${lost.frame} --method smr`));
-}, { words: ["clip.y4m", "--method", "smr"] });
+  await commands(page, new RegExp(`@${lost.frame} --method paper`));
+}, { words: ["clip.y4m", "--method", "paper"] });
 
 onWindow("with other settings all is followed again, and the line that is shown has them", async (page) => {
   await page.click("#plays");
@@ -233,10 +233,10 @@ onWindow("with other settings all is followed again, and the line that is shown 
   await followedAll(page);
   const repeated = host(...(await command(page)).split(" ").slice(1), "--json");
   assert.deepEqual(parsed(await boxes(page, "json")), parsed(repeated.stdout));
-  await page.select("method", "smr");
-  await commands(page, /--method smr --config camera$/);
+  await page.select("method", "paper");
+  await commands(page, /--method paper --config camera$/);
   await followedAll(page);
-  assert.deepEqual(parsed(await boxes(page, "json")), parsed(host("track", "clip.y4m", "--init", BOX.join(), "--method", "smr", "--config", "camera", "--json").stdout));
+  assert.deepEqual(parsed(await boxes(page, "json")), parsed(host("track", "clip.y4m", "--init", BOX.join(), "--method", "paper", "--config", "camera", "--json").stdout));
 }, { words: ["clip.y4m", "--set", "size=off"] });
 
 onWindow("390 pixels wide, with a finger and with keys alone, several targets", async (page) => {

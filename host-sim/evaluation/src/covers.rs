@@ -209,7 +209,7 @@ mod tests {
     use smr_core::paper::Config;
 
     fn variants() -> Vec<Variant> {
-        [MethodKind::Smr, MethodKind::Robust].map(|kind| Variant::new(kind, &Config::camera().into())).to_vec()
+        [MethodKind::Paper, MethodKind::Robust].map(|kind| Variant::new(kind, &Config::camera().into())).to_vec()
     }
 
     fn run(name: &str, right_before: bool, (tracking, lost_at): (usize, Option<usize>), right_again: bool) -> Counts {

@@ -236,7 +236,7 @@ mod tests {
     use std::cell::Cell;
     use std::fs;
 
-    const METHODS: [MethodKind; 2] = [MethodKind::Sad, MethodKind::Smr];
+    const METHODS: [MethodKind; 2] = [MethodKind::Sad, MethodKind::Paper];
 
     fn variants() -> [Variant; 2] {
         METHODS.map(|kind| Variant::new(kind, &Config::paper().into()))
@@ -287,7 +287,7 @@ mod tests {
         let evaluation = evaluated(Sequence { frames: Box::new(frames.into_iter()), ..sequence() }, &[]).unwrap();
         let failures: Vec<String> = evaluation.failures.iter().map(|error| format!("{error:#}")).collect();
         let reason = smr_core::UpdateError::FrameSizeChanged;
-        assert_eq!(failures, ["sad", "smr"].map(|name| format!("moving: {name}: frame 3: {reason}")));
+        assert_eq!(failures, ["sad", "paper"].map(|name| format!("moving: {name}: frame 3: {reason}")));
     }
 
     #[test]
@@ -323,24 +323,24 @@ mod tests {
     }
 
     fn method(name: &str) -> Contestant {
-        Contestant { name: name.to_owned(), origin: Some(Origin::new(MethodKind::Smr, Map::new())) }
+        Contestant { name: name.to_owned(), origin: Some(Origin::new(MethodKind::Paper, Map::new())) }
     }
 
     #[test]
     fn every_score_in_full_and_the_table_of_the_paper() {
         let expected = "\
 tracker  sequence          frames  visible  answered  correct  correct@0.5  precision  recall      F  mean IoU  first failure  OTB AUC  OTB P20  VOT F  threshold
-smr      mine                   4        4         4        4            4      1.000   1.000  1.000     1.000              -    0.952    1.000  1.000          -
-smr      06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500              3    0.476    0.500  0.667          -
-smr      total                  8        8         6        6            6      1.000   0.750  0.857     0.750              -        -        -      -          -
-smr      mean of 2                                                              1.000   0.750  0.833     0.750                   0.714    0.750  0.833
-smr        standard error                                                       0.000   0.250  0.167     0.250                   0.238    0.250  0.167
+paper    mine                   4        4         4        4            4      1.000   1.000  1.000     1.000              -    0.952    1.000  1.000          -
+paper    06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500              3    0.476    0.500  0.667          -
+paper    total                  8        8         6        6            6      1.000   0.750  0.857     0.750              -        -        -      -          -
+paper    mean of 2                                                              1.000   0.750  0.833     0.750                   0.714    0.750  0.833
+paper      standard error                                                       0.000   0.250  0.167     0.250                   0.238    0.250  0.167
 sad      mine                   4        4         1        1            1      1.000   0.250  0.400     0.250              2    0.238    0.250  0.400          -
 sad      06_car                 4        4         0        0            0      0.000   0.000  0.000     0.000              1    0.000    0.000  0.000          -
 sad      total                  8        8         1        1            1      1.000   0.125  0.222     0.125              -        -        -      -          -
 sad      mean of 2                                                              0.500   0.125  0.200     0.125                   0.119    0.125  0.200
 sad        standard error                                                       0.500   0.125  0.200     0.125                   0.119    0.125  0.200
-smr      06_car                 4        4         1        1            1      1.000   0.250  0.400     0.250              2    0.238    0.250  0.400          -
+paper    06_car                 4        4         1        1            1      1.000   0.250  0.400     0.250              2    0.238    0.250  0.400          -
 t2       06_car                 4        4         2        2            2      1.000   0.500  0.667     0.500              3    0.476    0.500  0.667          -
 t10      mine                   4        4         3        3            3      1.000   0.750  0.857     0.750              4    0.714    0.750  0.857          -
 
@@ -351,22 +351,22 @@ Avidan 2007 (ensemble tracking)            printed         -         10
 Babenko 2009 (MIL)                         printed         -         45
 Kalal 2010 (forward-backward, MedianFlow)  printed         -        510
 SMR, the paper                             printed         -        510
-smr                                        measured        4          2
+paper                                      measured        4          2
 sad                                        measured        1          0
-smr                                        measured        -          1
+paper                                      measured        -          1
 t2                                         measured        -          2
 t10                                        measured        3          -
 ";
-        let (smr, sad) = (method("smr"), method("sad"));
+        let (paper, sad) = (method("paper"), method("sad"));
         let file = |name: &str| Contestant::file(name.to_owned());
         let both = [
-            evaluation("mine", &[(smr.clone(), 4), (sad.clone(), 1), (file("t10"), 3)]),
-            evaluation("06_car", &[(smr, 2), (sad, 0), (file("t2"), 2), (file("smr"), 1)]),
+            evaluation("mine", &[(paper.clone(), 4), (sad.clone(), 1), (file("t10"), 3)]),
+            evaluation("06_car", &[(paper, 2), (sad, 0), (file("t2"), 2), (file("paper"), 1)]),
         ];
         assert_eq!(Evaluation::tables(&both).text(Layout::Text), expected);
-        let other = Evaluation::tables(&[evaluation("mine", &[(method("smr"), 4)])]).text(Layout::Text);
+        let other = Evaluation::tables(&[evaluation("mine", &[(method("paper"), 4)])]).text(Layout::Text);
         assert!(
-            other.ends_with("\n\ncorrect frames  source    mine /4\nsmr             measured        4\n"),
+            other.ends_with("\n\ncorrect frames  source    mine /4\npaper           measured        4\n"),
             "{other}"
         );
         assert_eq!(Evaluation::tables(&[]).text(Layout::Text), "");
@@ -376,9 +376,9 @@ t10                                        measured        3          -
     fn a_target_that_is_never_visible_enters_no_mean() {
         let unseen = |name: &str| {
             let score = Score::with_confidence(&[Some("1,2,3,4".parse().unwrap())], &[None], &[None]).unwrap();
-            Evaluation { scores: vec![(method("smr"), score)], visible: 0, ..evaluation(name, &[]) }
+            Evaluation { scores: vec![(method("paper"), score)], visible: 0, ..evaluation(name, &[]) }
         };
-        let seen = |name: &str, correct| evaluation(name, &[(method("smr"), correct)]);
+        let seen = |name: &str, correct| evaluation(name, &[(method("paper"), correct)]);
         let means = |all: &[Evaluation]| serde_json::to_value(Evaluation::tables(all)).unwrap()["means"].clone();
         let (alone, both) = (means(&[seen("a", 4), seen("b", 2)]), means(&[seen("a", 4), seen("b", 2), unseen("c")]));
         assert_eq!((&alone, &both[0]["recall"]), (&both, &0.75.into()));

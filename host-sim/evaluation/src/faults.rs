@@ -22,7 +22,7 @@ const WATCHED: usize = 50;
 const MAX_PLACES: usize = 8;
 
 /// The default trackers: the two of smr-core.
-pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Robust];
+pub const METHODS: [MethodKind; 2] = [MethodKind::Paper, MethodKind::Robust];
 
 #[derive(Debug)]
 struct Row {

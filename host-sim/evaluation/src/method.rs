@@ -91,7 +91,8 @@ pub const fn name_of(state: State) -> &'static str {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum MethodKind {
     /// The Similarity Matching Ratio, as in the paper
-    Smr,
+    #[value(alias = "smr")]
+    Paper,
     /// Beyond the paper: holds when light, size and view change
     Robust,
     /// The sum of absolute differences
@@ -107,7 +108,7 @@ pub enum MethodKind {
 impl MethodKind {
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Smr => "smr",
+            Self::Paper => "paper",
             Self::Robust => "robust",
             Self::Sad => "sad",
             Self::Ssd => "ssd",
@@ -117,13 +118,13 @@ impl MethodKind {
     }
 
     pub const fn is_core(self) -> bool {
-        matches!(self, Self::Smr | Self::Robust)
+        matches!(self, Self::Paper | Self::Robust)
     }
 
     /// Returns the states that the method can report, the best one first.
     pub const fn states(self) -> &'static [State] {
         match self {
-            Self::Smr => &[State::Tracking, State::Leaving, State::Lost],
+            Self::Paper => &[State::Tracking, State::Leaving, State::Lost],
             Self::Robust => &[State::Tracking, State::Uncertain, State::Lost],
             Self::Sad | Self::Ssd | Self::Ncc | Self::Lk => &[State::Tracking, State::Leaving],
         }
@@ -134,8 +135,9 @@ impl MethodKind {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum CoreKind {
     /// The Similarity Matching Ratio, as in the paper
+    #[value(alias = "smr")]
     #[default]
-    Smr,
+    Paper,
     /// Beyond the paper: holds when light, size and view change
     Robust,
 }
@@ -143,7 +145,7 @@ pub enum CoreKind {
 impl From<CoreKind> for MethodKind {
     fn from(method: CoreKind) -> Self {
         match method {
-            CoreKind::Smr => Self::Smr,
+            CoreKind::Paper => Self::Paper,
             CoreKind::Robust => Self::Robust,
         }
     }

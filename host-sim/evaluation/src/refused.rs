@@ -88,9 +88,9 @@ mod tests {
 
     #[test]
     fn the_box_and_the_bound_are_said() {
-        let large = refused(MethodKind::Smr, LockError::BoxTooLarge).to_string();
+        let large = refused(MethodKind::Paper, LockError::BoxTooLarge).to_string();
         let expected = format!(
-            "the box 1,2,300,250 (x,y,width,height) has 75000 pixels; the tracker smr takes at most {}",
+            "the box 1,2,300,250 (x,y,width,height) has 75000 pixels; the tracker paper takes at most {}",
             crate::MAX_PIXELS
         );
         assert_eq!(large, expected);
@@ -103,14 +103,14 @@ mod tests {
         let all = ["method", "init", "resize", "set"];
         for why in [LockError::BoxTooLarge, LockError::WindowTooLarge, LockError::BoxOutsideFrame, LockError::BoxEmpty]
         {
-            let refused = refused(MethodKind::Smr, why);
+            let refused = refused(MethodKind::Paper, why);
             assert!(refused.way_out(|name| all.contains(&name)).contains("--"), "{why}");
             for missing in all {
                 let way = refused.way_out(|name| all.contains(&name) && name != missing);
                 assert!(!way.contains(&format!("--{missing}")), "{why}: {way}");
             }
         }
-        let way = refused(MethodKind::Smr, LockError::BoxTooLarge).way_out(|_| true);
+        let way = refused(MethodKind::Paper, LockError::BoxTooLarge).way_out(|_| true);
         assert_eq!(way, "use --method robust, which takes every box, or a smaller box (--init), or --resize 1/2");
     }
 }

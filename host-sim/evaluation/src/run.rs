@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn steps_change_no_answer_and_no_work_is_left_out() {
-        for kind in [MethodKind::Smr, MethodKind::Robust] {
+        for kind in [MethodKind::Paper, MethodKind::Robust] {
             let reports = |step| {
                 let configs = Configs { step, ..paper::Config::camera().into() };
                 let mut reports = followed(&Variant::new(kind, &configs), vec![target("a", &[1])]).remove(0);

@@ -16,7 +16,7 @@ use std::rc::Rc;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Configs {
-    /// Settings of the paper's tracker; the baselines take window and padding from them.
+    /// Settings of the paper tracker; the baselines take window and padding from them.
     pub paper: Config,
     pub robust: robust::Config,
     /// Approximate work per step of an update, in units of `Tracker::work`. It changes no answer. Baselines ignore it.
@@ -84,8 +84,8 @@ impl Variant {
         other.k = Fraction::new(7, 20);
         let options =
             Map::from_iter([("set".to_owned(), ["k=7/20"].as_slice().into()), ("inclusive".to_owned(), true.into())]);
-        let name = "smr, k = 7/20, inclusive".to_owned();
-        let other = Self { name, inclusive: true, options, ..Self::new(MethodKind::Smr, &other.into()) };
+        let name = "paper, k = 7/20, inclusive".to_owned();
+        let other = Self { name, inclusive: true, options, ..Self::new(MethodKind::Paper, &other.into()) };
         let of_kind = |&kind: &MethodKind| Self::new(kind, &paper.into());
         let mut all: Vec<Self> = MethodKind::value_variants().iter().map(of_kind).collect();
         all.insert(1, other);
@@ -107,7 +107,7 @@ impl Variant {
     pub fn build_all(&self, count: usize) -> Result<Vec<Box<dyn Method>>> {
         let (kind, Configs { paper, robust, step }) = (self.kind, self.configs);
         match kind {
-            MethodKind::Smr => stepped::<Paper>(kind, count, paper, step),
+            MethodKind::Paper => stepped::<Paper>(kind, count, paper, step),
             MethodKind::Robust => stepped::<Robust>(kind, count, robust, step),
             _ => several(count, || Ok(Baseline::new(kind, &paper))),
         }

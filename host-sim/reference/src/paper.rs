@@ -1,4 +1,4 @@
-//! The paper's tracker in f64, a reference for `smr-core` that is meant to be checked against the paper's steps by eye.
+//! The paper tracker in f64, a reference for `smr-core` that is meant to be checked against the paper's steps by eye.
 //!
 //! It is slow, shares no code or constant with `smr-core`, and pads the frame with real zeroes. Pixels stay bytes,
 //! because their differences are exact; only exp divides them by the scale. Every score is summed twice, in units of

@@ -1,4 +1,4 @@
-//! Comparison of the paper's tracker with its reference, in every frame and at every candidate position:
+//! Comparison of the paper tracker with its reference, in every frame and at every candidate position:
 //!
 //! 1. **Bit for bit.** With the reference's similarities rounded to 1/65535, all scores, the peak, a runner-up that is
 //!    needed, alpha, the box, the state and the template must be equal.

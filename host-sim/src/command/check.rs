@@ -17,7 +17,7 @@ pub struct Check {
     #[arg(value_name = "SEQ", default_values = smr_recordings::CHECKED)]
     sequences: Vec<PathBuf>,
     /// The tracker to check
-    #[arg(long, value_enum, default_value = "smr")]
+    #[arg(long, value_enum, default_value = "paper")]
     method: CoreKind,
     /// Print a JSON array, one object a recording
     #[arg(long)]
@@ -67,7 +67,7 @@ impl Check {
         let variant = self.tracker.variant(self.method.into())?;
         let configs = &variant.configs;
         let report = match self.method {
-            CoreKind::Smr => {
+            CoreKind::Paper => {
                 let numbers = self.tracker.reference_numbers();
                 self.compare::<Paper>(path, (configs.paper, numbers), configs.step, Counts::Paper)?
             }

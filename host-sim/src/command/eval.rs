@@ -22,7 +22,7 @@ pub struct Eval {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "PATH", required_unless_present = "fault")]
     paths: Vec<PathBuf>,
-    /// The methods to measure, separated by commas [default: smr]
+    /// The methods to measure, separated by commas [default: paper]
     ///
     /// If all recordings are in the paper's table, and no option changes the start or the tracker, the default is every method: both
     /// readings of the paper, the robust tracker, the baselines, and the results of other trackers (--compare).
@@ -70,7 +70,7 @@ pub struct Eval {
     #[arg(long, value_name = "FILE", requires = "robustness")]
     against: Option<PathBuf>,
     /// Measure the trackers under faults of the camera, changes of light, a covered lens or a target that goes away; separate several
-    /// faults by commas; `all` and `light` are lists [default methods: smr,robust]
+    /// faults by commas; `all` and `light` are lists [default methods: paper,robust]
     ///
     /// Camera faults: dropped:N (of 2 N frames every second is missing), repeated:N (a frame is repeated N times), torn:N (in N frames the
     /// lower part is from the frame before), black:N and white:N (for N frames), columns:N (N columns are stuck), bits:N (N of 1000 pixels
@@ -168,7 +168,7 @@ impl Eval {
         let says_nothing = self.says_nothing();
         if self.method.is_empty() {
             let is_fault = matches!(protocol, Protocol::Faults(_) | Protocol::Cover);
-            self.method = if is_fault { faults::METHODS.to_vec() } else { vec![MethodKind::Smr] };
+            self.method = if is_fault { faults::METHODS.to_vec() } else { vec![MethodKind::Paper] };
         }
         let variants = self.tracker.variants(&self.method)?;
         for variant in &variants {

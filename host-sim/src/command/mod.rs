@@ -77,7 +77,7 @@ enum Command {
     Check(check::Check),
     /// Measure trackers against ground truth
     #[command(after_help = "Examples:
-  host-sim eval sequences --method smr,robust
+  host-sim eval sequences --method paper,robust
   host-sim eval sequences --fault all --config camera")]
     Eval(eval::Eval),
     /// Write a recording as files that other programs read and firmware replays

@@ -21,15 +21,15 @@ use std::path::{Path, PathBuf};
 /// Default size limit of a page, in megabytes.
 const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
-const METHODS: [MethodKind; 2] = [MethodKind::Robust, MethodKind::Smr];
+const METHODS: [MethodKind; 2] = [MethodKind::Robust, MethodKind::Paper];
 
 #[derive(Debug, clap::Args)]
 pub struct Report {
     /// Recordings, or folders of recordings
     #[arg(value_name = "SEQ|DIR", required = true)]
     paths: Vec<PathBuf>,
-    /// The methods to show, separated by commas; the page shows the states of the first [default: robust,smr, or robust alone if the box is
-    /// too large for smr]
+    /// The methods to show, separated by commas; the page shows the states of the first [default: robust,paper, or robust alone if the box is
+    /// too large for paper]
     #[arg(long, value_enum, value_delimiter = ',', requires = "out")]
     method: Vec<MethodKind>,
     /// Write one HTML page: to this file if it ends in .html, else to a file with the recording's name in this folder

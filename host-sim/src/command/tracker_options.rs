@@ -19,9 +19,9 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// of smr: exactly as in the paper
+    /// of the paper tracker: exactly as in the paper
     Paper,
-    /// of smr, for cameras: a bounded window, the template updated up to the frame's edge
+    /// of the paper tracker, for cameras: a bounded window, the template updated up to the frame's edge
     Camera,
     /// of robust, without the refiner; in firmware: Config::robust(), smr_config_robust
     Robust,
@@ -32,7 +32,7 @@ pub enum Preset {
 impl Preset {
     const fn method(self) -> MethodKind {
         match self {
-            Self::Paper | Self::Camera => MethodKind::Smr,
+            Self::Paper | Self::Camera => MethodKind::Paper,
             Self::Robust | Self::Refined => MethodKind::Robust,
         }
     }
@@ -41,9 +41,9 @@ impl Preset {
 /// The options of trackers.
 #[derive(Args, Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
-#[command(next_help_heading = "Tracker (smr, robust)")]
+#[command(next_help_heading = "Tracker (paper, robust)")]
 pub struct TrackerOptions {
-    /// The preset whose settings --set changes [default: paper for smr, refined for robust]
+    /// The preset whose settings --set changes [default: for paper: paper; for robust: refined]
     #[arg(long, value_enum, value_name = "PRESET")]
     config: Option<Preset>,
     /// A setting of the tracker, such as window=16x16, k=7/20, reach=5 or size=off; --help lists all
@@ -69,11 +69,11 @@ struct Known {
 /// Settings that `--set` accepts: all that smr-core lists for both trackers, and `scale` and `pruning` of the paper's
 /// tracker, which it does not list.
 fn known() -> impl Iterator<Item = Known> {
-    use MethodKind::{Lk, Ncc, Robust, Sad, Smr, Ssd};
+    use MethodKind::{Lk, Ncc, Paper, Robust, Sad, Ssd};
     fn of<C: Settings>(methods: &'static [MethodKind]) -> impl Iterator<Item = Known> {
         C::SETTINGS.iter().zip(C::TEXTS).map(move |(&setting, text)| match setting.name() {
             // The baselines (sad, ssd, ncc, lk) search a window in a padded frame, too.
-            "window" | "padding" => Known { setting, text, methods: &[Smr, Sad, Ssd, Ncc, Lk] },
+            "window" | "padding" => Known { setting, text, methods: &[Paper, Sad, Ssd, Ncc, Lk] },
             _ => Known { setting, text, methods },
         })
     }
@@ -82,8 +82,8 @@ fn known() -> impl Iterator<Item = Known> {
     let pruning = Setting::new("pruning\0", Shape::Switch, (0, 1), 0);
     let pruning_text = "Whether offsets that cannot change the result are skipped; changes only the time.";
     let own = [(scale, scale_text), (pruning, pruning_text)];
-    let own = own.into_iter().map(|(setting, text)| Known { setting, text, methods: &[Smr] });
-    of::<Config>(&[Smr]).chain(own).chain(of::<robust::Config>(&[Robust]))
+    let own = own.into_iter().map(|(setting, text)| Known { setting, text, methods: &[Paper] });
+    of::<Config>(&[Paper]).chain(own).chain(of::<robust::Config>(&[Robust]))
 }
 
 impl Known {
@@ -152,7 +152,7 @@ impl Serialize for Given {
 }
 
 fn taken_by(name: &str) -> &'static [MethodKind] {
-    Known::of(name).map_or(&[MethodKind::Smr, MethodKind::Robust], |known| known.methods)
+    Known::of(name).map_or(&[MethodKind::Paper, MethodKind::Robust], |known| known.methods)
 }
 
 fn backend(text: &str) -> Result<Backend> {
@@ -300,7 +300,7 @@ impl TrackerOptions {
         numbers
     }
 
-    /// Parameters of the reference of the paper's tracker, which has its own copy of the defaults.
+    /// Parameters of the reference of the paper tracker, which has its own copy of the defaults.
     pub fn reference_numbers(&self) -> Numbers {
         let mut numbers = if self.config == Some(Preset::Camera) { Numbers::camera() } else { Numbers::paper() };
         for Given { name, values, .. } in &self.set {

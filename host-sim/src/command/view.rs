@@ -334,8 +334,8 @@ impl Requests for Desk {
     fn firmware(&self, variant: &Variant) -> String {
         match variant.kind {
             MethodKind::Robust => robust_settings(&variant.configs.robust),
-            MethodKind::Smr => paper_settings(&variant.configs.paper),
-            _ => "Firmware has the methods robust and smr only.\n".to_owned(),
+            MethodKind::Paper => paper_settings(&variant.configs.paper),
+            _ => "Firmware has the methods robust and paper only.\n".to_owned(),
         }
     }
 }

@@ -8,7 +8,7 @@ pub(crate) struct Extent {
     pub(crate) window: u16,
     pub(crate) grown: u16,
     pub(crate) calls: u32,
-    /// Largest number of updates, of the paper's tracker and of the robust tracker.
+    /// Largest number of updates, of the paper tracker and of the robust tracker.
     pub(crate) updates: [u32; 2],
     /// Compares the saved bytes after each call, not only before a lock and at the end.
     pub(crate) each_call: bool,

@@ -1,4 +1,4 @@
-//! The paper's tracker with small sizes and with configurations of every kind.
+//! The paper tracker with small sizes and with configurations of every kind.
 
 use crate::extent::Extent;
 use crate::scene::Scene;
@@ -8,7 +8,7 @@ use smr_core::paper::{Config, Fraction, Margins, Radius};
 use smr_core::similarity::{Backend, Table};
 use std::sync::LazyLock;
 
-/// The paper's tracker with limits small enough for many executions of a fuzz target per second.
+/// The paper tracker with limits small enough for many executions of a fuzz target per second.
 pub(crate) type Small = smr_core::Paper<256, 41>;
 
 static TABLES: LazyLock<[Table; 4]> =

@@ -42,8 +42,8 @@ struct Qemu {
     /// Recordings for the firmware core/examples/replay, folders of recordings, or flight records (.smr)
     #[arg(value_name = "SEQ")]
     paths: Vec<PathBuf>,
-    /// The tracker; smr is the paper's with the preset camera and a search radius of 16
-    #[arg(long, value_enum, default_value = "smr")]
+    /// The tracker; paper has the preset camera and a search radius of 16
+    #[arg(long, value_enum, default_value = "paper")]
     method: CoreKind,
     /// Use the robust tracker's refiner
     #[arg(long)]

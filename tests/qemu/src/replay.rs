@@ -19,7 +19,7 @@ const RADIUS: u16 = 16;
 /// firmware also compares templates and weights.
 pub fn record(sequence: Sequence, method: CoreKind, refiner: bool) -> Result<Vec<u8>> {
     match method {
-        CoreKind::Smr => of::<Paper>(paper::Config::camera_within(RADIUS), sequence, method),
+        CoreKind::Paper => of::<Paper>(paper::Config::camera_within(RADIUS), sequence, method),
         CoreKind::Robust if refiner => of::<Robust>(robust::Config::refined(), sequence, method),
         CoreKind::Robust => of::<Robust>(robust::Config::robust(), sequence, method),
     }

@@ -47,7 +47,7 @@ const AXIS: Axis = Axis {
 const SERVO: Servo =
     Servo { pulse_at_min_microseconds: 900, pulse_at_max_microseconds: 2100, period_microseconds: 20_000 };
 
-/// The paper's tracker. With enough memory and speed, use `smr_core::Robust` and its configuration instead.
+/// The paper tracker. With enough memory and speed, use `smr_core::Robust` and its configuration instead.
 type SmallTarget = Paper<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
 
 #[rp2040_hal::entry]

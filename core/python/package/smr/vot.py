@@ -6,7 +6,7 @@
     command = python -m smr.vot
 
 It speaks the TraX protocol (`pip install vot-trax`) and gives the answers of `host-sim track`; with `--paper` those of
-`host-sim track --method smr --config camera`.
+`host-sim track --method paper --config camera`.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-//! The configuration of the paper's tracker. [`Target::with`](crate::Target::with) checks it.
+//! The configuration of the paper tracker. [`Target::with`](crate::Target::with) checks it.
 
 use super::search::Radius;
 use crate::image::Rect;
@@ -76,7 +76,7 @@ impl Margins {
 
 settings! {
     Paper, 0;
-    /// The settings of the paper's tracker. Start from [`Config::camera`] or [`Config::paper`].
+    /// The settings of the paper tracker. Start from [`Config::camera`] or [`Config::paper`].
     ///
     /// The gate accepts a peak if peak / runner-up > r, or peak - runner-up > `gate_lead` fully similar pixels. The
     /// state of the target and the position of the peak decide which of `gate_tracking`, `gate_leaving`,

@@ -1,4 +1,4 @@
-//! The paper's tracker: template matching with the last appearance of the target, pixel by pixel.
+//! The paper tracker: template matching with the last appearance of the target, pixel by pixel.
 //!
 //! | file | what it does | step of the paper |
 //! |---|---|---|

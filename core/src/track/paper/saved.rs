@@ -1,4 +1,4 @@
-//! A target of the paper's tracker as bytes: track (box, frame size, state), threshold alpha, template.
+//! A target of the paper tracker as bytes: track (box, frame size, state), threshold alpha, template.
 
 use super::config::Config;
 use super::template::Template;

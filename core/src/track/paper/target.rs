@@ -1,4 +1,4 @@
-//! `Paper`, the target of the paper's tracker. The stages of an update: window, search, gate, template, answer.
+//! `Paper`, the target of the paper tracker. The stages of an update: window, search, gate, template, answer.
 
 use super::config::Config;
 use super::gate::{ratio, searches};
@@ -18,7 +18,7 @@ use crate::track::{
 };
 use core::fmt;
 
-/// A target of the paper's tracker: boxes of at most `PIXELS` pixels, windows of at most `SPAN` offsets on an axis. It
+/// A target of the paper tracker: boxes of at most `PIXELS` pixels, windows of at most `SPAN` offsets on an axis. It
 /// takes `PIXELS` bytes, its [`Workspace`] `PIXELS + 20 * SPAN`, both plus a constant. [`Target`] has an example.
 #[repr(C)] // the template comes last: in another order the compiler builds the value on the stack and copies it
 pub struct Paper<const PIXELS: usize, const SPAN: usize> {

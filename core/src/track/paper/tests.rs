@@ -1,4 +1,4 @@
-//! Tests of the paper's tracker: states, decisions of the gate, the work of a search, limits.
+//! Tests of the paper tracker: states, decisions of the gate, the work of a search, limits.
 
 use super::{Config, Fraction, Paper, Radius, Workspace};
 use crate::track::Target;

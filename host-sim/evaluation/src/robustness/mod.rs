@@ -169,7 +169,7 @@ mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
 
     pub fn variants() -> [Variant; 2] {
-        [MethodKind::Smr, MethodKind::Sad].map(|kind| Variant::new(kind, &Config::paper().into()))
+        [MethodKind::Paper, MethodKind::Sad].map(|kind| Variant::new(kind, &Config::paper().into()))
     }
 
     pub fn row<'a>(variant: &'a Variant, sequence: &str, figures: Figures) -> Row<'a> {
@@ -214,7 +214,7 @@ mod tests {
         let figures = column(&json, "measured", &["tracker", "mean_correct", "worst_correct", "mean_iou", "precision"]);
         // Both starts together give seven answers, two of them in the frame that hides the target.
         let expected = |tracker| serde_json::json!([tracker, 1.0, 1.0, 1.0, 5.0 / 7.0]);
-        assert_eq!(serde_json::to_value(figures).unwrap(), serde_json::json!([expected("smr"), expected("sad")]));
+        assert_eq!(serde_json::to_value(figures).unwrap(), serde_json::json!([expected("paper"), expected("sad")]));
         let hidden = column(&json, "measured", &["answered_hidden", "hidden"]);
         assert_eq!(serde_json::to_value(hidden).unwrap(), serde_json::json!([[2, 2], [2, 2]]));
         let work: Vec<_> = column(&json, "measured", &["work_per_frame"]).concat();
@@ -222,7 +222,7 @@ mod tests {
         let starts = column(&json, "starts", &["tracker", "frame", "x", "visible", "correct"]);
         let expected =
             |tracker| [serde_json::json!([tracker, 1, 4.0, 3, 3]), serde_json::json!([tracker, 2, 6.0, 2, 2])];
-        assert_eq!(serde_json::to_value(starts).unwrap(), Value::from([expected("smr"), expected("sad")].concat()));
+        assert_eq!(serde_json::to_value(starts).unwrap(), Value::from([expected("paper"), expected("sad")].concat()));
         let (near, _) = measured(&["a/moving"], |_| Ok(sequence()), "5");
         let names: Vec<_> = column(&near, "starts", &["start"]).concat();
         assert_eq!(names[..5], ["given", "x+2", "y+2", "0.95", "1.05"]);
@@ -237,7 +237,7 @@ mod tests {
             [(None, 3), (Some("here"), 2), (Some("there"), 1)]
                 .map(|(folder, count)| serde_json::json!([tracker, folder, count]))
         };
-        assert_eq!(groups, Value::from([expected("smr"), expected("sad")].concat()));
+        assert_eq!(groups, Value::from([expected("paper"), expected("sad")].concat()));
         let (one_folder, _) = measured(&paths[..1], |_| Ok(sequence()), "every:1");
         assert_eq!(one_folder["means"].as_array().unwrap().len(), 2);
     }
@@ -261,7 +261,7 @@ mod tests {
         };
         let (json, failures) = measured(&["a/bare", "a/moving", "a/outside"], open, "5");
         let reason = "the box 21,6,5,4 (x,y,width,height) is not wholly inside the frame of 24x20 pixels";
-        let expected = ["smr", "sad"].map(|name| format!("outside: {name}: start given: frame 1: {reason}"));
+        let expected = ["paper", "sad"].map(|name| format!("outside: {name}: start given: frame 1: {reason}"));
         assert_eq!(failures.len(), 3);
         assert!(failures.iter().any(|failure| failure.starts_with("bare: no ground truth")));
         assert!(expected.iter().all(|line| failures.contains(line)), "{failures:?}");
@@ -299,14 +299,14 @@ mod tests {
         ];
         let expected = "\
 tracker  sequence           starts  correct  worst  correct@0.5      F  mean IoU  precision  answered/hidden  found/returns  wrong/tracking  tracking/wrong  unsaid/right  work/frame  us/frame
-smr      01_david                5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
-smr      Man                     5    0.500  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
-smr      Car                     5    0.250  0.250        0.250  0.500     0.500      1.000            10/20            2/4            4/40            4/10          2/20           -        12
-smr      mean of 3                    0.500  0.250        0.250  0.500     0.500      1.000            20/40            4/8            8/80            8/20          4/40           -        12
-smr        standard error             0.144               0.000  0.000
-smr      mean of 2 in tld             0.625  0.250        0.250  0.500     0.500      1.000            10/20            2/4            4/40            4/10          2/20      123456        12
-smr        standard error             0.125               0.000  0.000
-smr      mean of 1 in more            0.250  0.250        0.250  0.500     0.500      1.000            10/20            2/4            4/40            4/10          2/20           -        12
+paper    01_david                5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
+paper    Man                     5    0.500  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
+paper    Car                     5    0.250  0.250        0.250  0.500     0.500      1.000            10/20            2/4            4/40            4/10          2/20           -        12
+paper    mean of 3                    0.500  0.250        0.250  0.500     0.500      1.000            20/40            4/8            8/80            8/20          4/40           -        12
+paper      standard error             0.144               0.000  0.000
+paper    mean of 2 in tld             0.625  0.250        0.250  0.500     0.500      1.000            10/20            2/4            4/40            4/10          2/20      123456        12
+paper      standard error             0.125               0.000  0.000
+paper    mean of 1 in more            0.250  0.250        0.250  0.500     0.500      1.000            10/20            2/4            4/40            4/10          2/20           -        12
 sad      01_david                5    0.667  0.250        0.250  0.500     0.500      1.000                -              -               -               -             -           -        12
 sad      mean of 1 in tld             0.667  0.250        0.250  0.500     0.500      1.000                -              -               -               -             -           -        12
 ";
@@ -315,7 +315,7 @@ sad      mean of 1 in tld             0.667  0.250        0.250  0.500     0.500
         assert_eq!(without_pairs(&[], &variants).text(Layout::Text), "");
         let json = serde_json::to_value(tables).unwrap();
         let recording = &json["measured"][0];
-        assert_eq!((&recording["tracker"], &recording["mean_correct"]), (&"smr".into(), &0.75.into()));
+        assert_eq!((&recording["tracker"], &recording["mean_correct"]), (&"paper".into(), &0.75.into()));
         assert_eq!(json["starts"].as_array().unwrap().len(), 4 * 5);
         assert_eq!((&json["starts"][0]["x"], &json["starts"][0]["correct"]), (&1.0.into(), &2.into()));
         assert!(json["measured"][2]["work_per_frame"].is_null() && json["means"][0]["folder"].is_null());

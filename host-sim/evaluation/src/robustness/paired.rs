@@ -166,7 +166,7 @@ mod tests {
 
     const EXPECTED: &str = "\
 paired difference  recordings  correct  correct@0.5       F
-sad - smr                   3   +0.100       +0.050  +0.100
+sad - paper                 3   +0.100       +0.050  +0.100
   standard error                 0.115        0.058   0.115
 ";
 
@@ -185,7 +185,7 @@ sad - smr                   3   +0.100       +0.050  +0.100
         let paired = &json["paired"][0];
         assert_eq!(
             (&paired["tracker"], &paired["against"], &paired["recordings"]),
-            (&"sad".into(), &"smr".into(), &3.into())
+            (&"sad".into(), &"paper".into(), &3.into())
         );
         assert!((paired["mean_correct_standard_error"].as_f64().unwrap() - 0.115_470).abs() < 1e-6);
     }
@@ -200,9 +200,13 @@ sad - smr                   3   +0.100       +0.050  +0.100
     #[test]
     fn a_file_is_compared_with_by_name_else_with_its_first() {
         let variants = variants();
-        let (smr, sad) = (of(&variants[0], [0.2, 0.5, 0.8]), of(&variants[1], [0.3, 0.8, 0.7]));
-        let text = compared(&sad, Some(&written(&smr))).unwrap().text(Layout::Text);
-        assert_eq!(text, EXPECTED.replace("sad - smr        ", "sad - smr in FILE"));
+        let (paper, sad) = (of(&variants[0], [0.2, 0.5, 0.8]), of(&variants[1], [0.3, 0.8, 0.7]));
+        let text = compared(&sad, Some(&written(&paper))).unwrap().text(Layout::Text);
+        // The name of the file makes the first column wider by two characters.
+        let wider = EXPECTED.replace("sad - paper      ", "sad - paper in FILE");
+        let wider =
+            wider.replace("paired difference", "paired difference  ").replace("standard error", "standard error  ");
+        assert_eq!(text, wider);
         // The earlier file has a method of the same name, `sad`, with equal figures.
         let same = compared(&sad, Some(&written(&measured(&variants)))).unwrap().text(Layout::Text);
         assert!(same.contains("\nsad - sad in FILE           3   +0.000       +0.000  +0.000\n"), "{same}");
@@ -227,7 +231,7 @@ sad - smr                   3   +0.100       +0.050  +0.100
         for (text, why) in [
             ("", later),
             ("{\"measured\": [{}], \"starts\": []}", later),
-            ("{\"recordings\": [{\"tracker\": \"smr\", \"starts\": []}]}", earlier),
+            ("{\"recordings\": [{\"tracker\": \"paper\", \"starts\": []}]}", earlier),
             ("{\"measured\": [], \"starts\": []}", "there is no recording in it"),
         ] {
             fs::write(&file, text).unwrap();

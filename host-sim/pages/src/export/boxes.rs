@@ -296,7 +296,7 @@ mod tests {
             r#""state":"leaving","box":{"x":-2,"y":5,"width":10,"height":20},"fine":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"confidence":null,"ratio":null,"runner_up_ratio":null,"alpha":null,"scale":null,"found_again":null,"work":null,"quality":null"#,
         );
         let json_lost = json(
-            "smr",
+            "paper",
             r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9,"quality":null"#,
         );
         // Before the target's first box, some formats print the line of a lost target; the others print nothing.
@@ -310,7 +310,7 @@ mod tests {
             (Format::Json, &json_found, &json_lost, ""),
         ] {
             let line = |method, report| printer(format, method, &[None]).line(&answer(0, 7, report)).unwrap();
-            let lines = [(MethodKind::Sad, Some(&found)), (MethodKind::Smr, Some(&lost)), (MethodKind::Robust, None)];
+            let lines = [(MethodKind::Sad, Some(&found)), (MethodKind::Paper, Some(&lost)), (MethodKind::Robust, None)];
             let lines = lines.map(|(method, report)| line(method, report));
             assert_eq!(lines, [of_found, of_lost, before], "{format:?}");
         }

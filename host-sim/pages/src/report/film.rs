@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn the_film_is_what_the_methods_answer() {
-        let methods = [MethodKind::Smr, MethodKind::Sad, MethodKind::Robust];
+        let methods = [MethodKind::Paper, MethodKind::Sad, MethodKind::Robust];
         let film = film(&methods);
         let evaluated = smr_evaluation::evaluate(open(), &variants(&methods), &[], || ()).unwrap();
         assert_eq!(film.evaluation().unwrap().unwrap().scores, evaluated.scores);
@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn the_robust_tracker_follows_the_car_in_the_street_and_the_papers_does_not() {
         let street = smr_recordings::open(Path::new("street"), &OpenOptions::default()).unwrap();
-        let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
+        let methods = variants(&[MethodKind::Robust, MethodKind::Paper]);
         let film = watch(street, vec![], &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let scores = film.evaluation().unwrap().unwrap().scores;
         let [robust, papers] = [0, 1].map(|method| scores[method].1.mean_iou.unwrap());
@@ -337,7 +337,8 @@ mod tests {
     #[test]
     fn what_counts_adds_up_to_the_ratio() {
         let stills = (0..synthetic::LENGTH).step_by(9).collect();
-        let film = watch(open(), vec![], &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).unwrap();
+        let film =
+            watch(open(), vec![], &variants(&[MethodKind::Paper]), Refusal::Fails, &stills, None, || ()).unwrap();
         let mut searched = 0;
         for still in &film.stills {
             let Some(search) = &still.observations[0].search else { continue };
@@ -357,7 +358,7 @@ mod tests {
     fn a_frame_that_there_is_not_is_named() {
         let stills = BTreeSet::from([0, 240]);
         let error =
-            watch(open(), vec![], &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).err().unwrap();
+            watch(open(), vec![], &variants(&[MethodKind::Paper]), Refusal::Fails, &stills, None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
     }
 
@@ -365,7 +366,7 @@ mod tests {
     fn ground_truth_of_another_length_is_an_error() {
         let truth = open().truth.map(|truth| truth[..9].to_vec());
         let sequence = Sequence { truth, ..open() };
-        let methods = variants(&[MethodKind::Smr]);
+        let methods = variants(&[MethodKind::Paper]);
         let film = watch(sequence, vec![], &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let error = format!("{:#}", film.evaluation().err().unwrap());
         assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
@@ -381,13 +382,13 @@ mod tests {
         let watch = |methods: &[MethodKind], refusal| {
             watch(large(), vec![], &variants(methods), refusal, &BTreeSet::new(), None, || ())
         };
-        let methods = [MethodKind::Robust, MethodKind::Smr];
+        let methods = [MethodKind::Robust, MethodKind::Paper];
         let film = watch(&methods, Refusal::LeftOut).unwrap();
         assert_eq!(film.methods.iter().map(|method| method.kind).collect::<Vec<_>>(), [MethodKind::Robust]);
         assert_eq!((film.notes.len(), film.moments[0].reports.len()), (1, 1));
-        assert!(film.notes[0].starts_with("smr is left out: the box 10,10,380,280 "), "{}", film.notes[0]);
+        assert!(film.notes[0].starts_with("paper is left out: the box 10,10,380,280 "), "{}", film.notes[0]);
         assert!(watch(&methods, Refusal::Fails).is_err());
-        assert!(watch(&[MethodKind::Smr, MethodKind::Robust], Refusal::LeftOut).is_err());
+        assert!(watch(&[MethodKind::Paper, MethodKind::Robust], Refusal::LeftOut).is_err());
     }
 
     /// Target `a` starts in frame 11, is gone in frame 25 and locked again in frame 30; target `b` starts in frame 20.
@@ -397,10 +398,10 @@ mod tests {
         let target = |name: &str, starts| Target { name: Some(name.to_owned()), starts };
         let targets = || vec![target("a", vec![start(11), (25, None), start(30)]), target("b", vec![start(20)])];
         let part = || open().part("11..50".parse().unwrap(), 1, "--frames");
-        let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
+        let methods = variants(&[MethodKind::Robust, MethodKind::Paper]);
         let film = watch(part(), targets(), &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let names: Vec<_> = film.methods.iter().map(|method| method.name.as_str()).collect();
-        assert_eq!(names, ["a, robust", "a, smr", "b, robust", "b, smr"]);
+        assert_eq!(names, ["a, robust", "a, paper", "b, robust", "b, paper"]);
         assert_eq!((film.first, film.truth.is_none(), film.moments.len()), (11, true, 40));
         let answers = |method: usize, index: usize| film.moments[index].reports[method].target;
         let seen = [0, 2, 3].map(|method| (0..40).filter(|&index| film.has(method, index)).count());

@@ -159,7 +159,7 @@ mod tests {
     fn film(change: impl FnOnce(Sequence) -> Sequence) -> Film {
         let sequence = smr_recordings::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         let variant = |kind| Variant::new(kind, &Config::paper().into());
-        let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
+        let methods = [MethodKind::Paper, MethodKind::Sad].map(variant);
         watch(change(sequence), vec![], &methods, Refusal::Fails, &BTreeSet::new(), Some(BUDGET), || ()).unwrap()
     }
 
@@ -189,7 +189,7 @@ mod tests {
         let lead = page.split("class=\"lead\">").nth(1).and_then(|rest| rest.split('<').next());
         assert_eq!(
             lead.unwrap(),
-            "The paper&#x27;s tracker of 2013 follows the target in all 213 frames that show it; SAD in 169: it goes astray at \
+            "The paper tracker of 2013 follows the target in all 213 frames that show it; SAD in 169: it goes astray at \
              frame 170."
         );
         assert!(page.contains("<pre>host-sim report &#x27;&lt;i&gt;&#x27;</pre>"));
@@ -205,11 +205,11 @@ mod tests {
     fn without_ground_truth_there_are_no_scores_and_what_was_left_out_is_said() {
         let name = "</script><script>alert(1)</script>";
         let film = film(|sequence| Sequence { truth: None, name: name.to_owned(), ..sequence });
-        let film = Film { notes: vec!["smr is left out: too large".into()], first: 601, ..film };
+        let film = Film { notes: vec!["paper is left out: too large".into()], first: 601, ..film };
         let page = page(&mut [film], &about(), BUDGET).unwrap();
         nests(&page);
         assert!(!page.contains("<h2>Scores") && !page.contains("<script>alert"));
-        assert!(page.contains("<p class=\"note\">smr is left out: too large.</p>"));
+        assert!(page.contains("<p class=\"note\">paper is left out: too large.</p>"));
         assert!(page.contains("\"first\":601,"), "frames have the numbers of the recording");
     }
 

@@ -44,7 +44,7 @@ impl ObservedTracker {
         // The page plots the runner-up's score, so it is computed in every frame; answers stay the same.
         configs.paper.runner_up_always = true;
         let tracker = match variant.kind {
-            MethodKind::Smr => AnyTracker::Paper(Box::new(Tracker::with(configs.paper)?)),
+            MethodKind::Paper => AnyTracker::Paper(Box::new(Tracker::with(configs.paper)?)),
             MethodKind::Robust => AnyTracker::Robust(Box::new(Tracker::with(configs.robust)?)),
             _ => AnyTracker::Baseline(variant.build()?),
         };

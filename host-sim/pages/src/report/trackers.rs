@@ -73,7 +73,7 @@ pub(super) const SENTENCE: usize = 2;
 /// colors must be distinct from each other on any frame, and from the colors of states.
 const METHODS: [(MethodKind, Color, [&str; 3]); 6] = [
     (MethodKind::Robust, [255, 130, 220], ["Robust tracker", "Robust", "the robust tracker"]),
-    (MethodKind::Smr, [255, 64, 64], ["Paper's tracker (SMR, 2013)", "Paper", "the paper's tracker of 2013"]),
+    (MethodKind::Paper, [255, 64, 64], ["Paper's tracker (SMR, 2013)", "Paper", "the paper tracker of 2013"]),
     (MethodKind::Sad, [64, 140, 255], ["SAD"; 3]),
     (MethodKind::Ssd, [0, 205, 220], ["SSD"; 3]),
     (MethodKind::Ncc, [200, 225, 90], ["NCC"; 3]),

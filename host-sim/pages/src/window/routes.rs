@@ -197,7 +197,7 @@ impl Window {
             "frames": frames,
             "times": (!times.is_empty()).then_some(times),
             "version": env!("CARGO_PKG_VERSION"),
-            "methods": ["robust", "smr"],
+            "methods": ["robust", "paper"],
             "method": variant.kind.name(),
             "options": origin["options"],
             "words": self.words(),

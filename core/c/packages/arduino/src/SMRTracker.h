@@ -127,7 +127,7 @@ private:
     uint16_t width_, height_;
 };
 
-/** The paper's tracker with the camera preset: 13 KB of RAM. */
+/** The paper tracker with the camera preset: 13 KB of RAM. */
 typedef Tracker<smr_paper_target, smr_paper_workspace, smr_config_camera> Paper;
 /** The robust tracker: 53 KB of RAM. It follows changes of light, size and view, and searches for a lost target. */
 typedef Tracker<smr_robust_target, smr_robust_workspace, smr_config_robust> Robust;

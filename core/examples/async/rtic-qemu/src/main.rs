@@ -1,4 +1,4 @@
-//! The paper's tracker with RTIC in QEMU: an interrupt takes each camera line at once, a low-priority task updates.
+//! The paper tracker with RTIC in QEMU: an interrupt takes each camera line at once, a low-priority task updates.
 //!
 //! The task hands the only pixel buffer to the interrupt in an [`Order`] for the next window. The interrupt fills it
 //! line by line and hands it back. So the tracker never waits for a lock, and no pixel is copied.

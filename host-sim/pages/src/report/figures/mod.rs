@@ -11,7 +11,7 @@ use smr_evaluation::{CORRECT, MethodKind};
 use smr_recordings::FrameRange;
 use std::fmt;
 
-pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Sad];
+pub const METHODS: [MethodKind; 2] = [MethodKind::Paper, MethodKind::Sad];
 const SMR: usize = 0;
 const SAD: usize = 1;
 

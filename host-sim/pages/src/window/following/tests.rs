@@ -75,7 +75,7 @@ struct Running {
 
 impl Running {
     fn start(scene: Scene, targets: Vec<Target>) -> Self {
-        let followed = Arc::new(Followed::new(variant(MethodKind::Smr), targets, &scene).unwrap());
+        let followed = Arc::new(Followed::new(variant(MethodKind::Paper), targets, &scene).unwrap());
         let scene = Arc::new(scene);
         let (of, from) = (Arc::clone(&followed), Arc::clone(&scene));
         thread::spawn(move || of.run(from.as_ref()));
@@ -142,8 +142,8 @@ fn answers_are_those_of_a_run_in_order() {
     let mut running = Running::start(Scene::default(), vec![target(1, &[1]), target(2, &[5, 30])]);
     let (_, rows) = running.heard();
     assert_eq!(rows.len(), FRAMES + FRAMES - 4);
-    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1]));
-    assert_eq!(answered(&running, 1), expected(MethodKind::Smr, &[5, 30]));
+    assert_eq!(answered(&running, 0), expected(MethodKind::Paper, &[1]));
+    assert_eq!(answered(&running, 1), expected(MethodKind::Paper, &[5, 30]));
     let quality = |at: usize| rows.iter().find(|row| (row.0, row.1) == (1, at)).unwrap().2.quality;
     assert!(quality(1).is_some() && quality(2).is_none());
     assert_eq!((running.frames(), running.followed.reached(None)), (Some(FRAMES), (FRAMES, None)));
@@ -159,17 +159,17 @@ fn a_correction_is_followed_again_alone_and_undone_at_once() {
         rows.iter().map(|row| (row.0, row.1)).collect::<Vec<_>>(),
         (20..=60).map(|frame| (1, frame)).collect::<Vec<_>>()
     );
-    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 20, 40]));
+    assert_eq!(answered(&running, 0), expected(MethodKind::Paper, &[1, 20, 40]));
     // Removing the lock in frame 20 restores stored answers: only frames 20 to 39 change; nothing is tracked again.
     let reads = running.scene.read.load(Ordering::SeqCst);
     let rows = running.set(vec![target(1, &[1, 40]), target(2, &[2])]);
     assert_eq!((rows.len(), rows[0].1, rows[19].1), (20, 20, 39));
-    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 40]));
+    assert_eq!(answered(&running, 0), expected(MethodKind::Paper, &[1, 40]));
     running.set(vec![target(1, &[1, 20, 40]), target(2, &[2])]);
-    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 20, 40]));
+    assert_eq!(answered(&running, 0), expected(MethodKind::Paper, &[1, 20, 40]));
     assert_eq!(running.scene.read.load(Ordering::SeqCst), reads, "nothing is read again");
     assert_eq!(running.set(vec![target(2, &[2])]).len(), 0);
-    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[2]));
+    assert_eq!(answered(&running, 0), expected(MethodKind::Paper, &[2]));
 }
 
 #[test]
@@ -184,13 +184,13 @@ fn a_target_that_is_gone_has_no_answers_until_its_next_box() {
     let reads = running.scene.read.load(Ordering::SeqCst);
     let rows = running.set(vec![gone(&[1, 20, 40])]);
     assert_eq!(rows.iter().map(|row| row.1).collect::<Vec<_>>(), (40..=FRAMES).collect::<Vec<_>>());
-    let both = [&expected(MethodKind::Smr, &[1])[..19], &expected(MethodKind::Smr, &[40])].concat();
+    let both = [&expected(MethodKind::Paper, &[1])[..19], &expected(MethodKind::Paper, &[40])].concat();
     assert_eq!(answered(&running, 0), both);
     assert_eq!(running.scene.read.load(Ordering::SeqCst), reads + 1, "one read, from its next box on");
     running.set(vec![gone(&[1, 20])]);
     assert_eq!((answered(&running, 0).len(), running.followed.reached(None)), (19, (FRAMES, None)));
     running.set(vec![target(1, &[1])]);
-    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1]), "undo");
+    assert_eq!(answered(&running, 0), expected(MethodKind::Paper, &[1]), "undo");
     let lock = |text| serde_json::from_str::<Lock>(text);
     assert!(lock(r#"{"frame":2,"box":null}"#).unwrap().bbox.is_none() && lock(r#"{"frame":2}"#).is_err());
 }
@@ -200,9 +200,9 @@ fn trackers_of_many_locks_are_not_kept_and_what_needs_one_again_begins_anew() {
     let dense: Vec<usize> = (1..=20).collect();
     let mut running = Running::start(Scene::default(), vec![target(1, &dense)]);
     running.heard();
-    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &dense));
+    assert_eq!(answered(&running, 0), expected(MethodKind::Paper, &dense));
     running.set(vec![target(1, &[1, 15])]);
-    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 15]));
+    assert_eq!(answered(&running, 0), expected(MethodKind::Paper, &[1, 15]));
 }
 
 #[test]
@@ -215,7 +215,7 @@ fn other_trackers_follow_all_again() {
     assert_eq!(running.followed.wait_for_changes(position, Duration::ZERO).void, [TargetSpan::all(1)]);
     assert_eq!(answered(&running, 0), expected(MethodKind::Robust, &[3]));
     let reads = running.scene.read.load(Ordering::SeqCst);
-    running.followed.set_variant(variant(MethodKind::Smr));
+    running.followed.set_variant(variant(MethodKind::Paper));
     assert_eq!(running.heard().1.len(), FRAMES - 2, "the answers of before are there at once");
     assert_eq!(running.scene.read.load(Ordering::SeqCst), reads);
 }
@@ -271,8 +271,8 @@ fn the_end_of_a_read_is_not_the_end_of_the_recording() {
         assert_eq!(running.frames(), Some(known).filter(|&known| known > 0));
         running.scene.given.store(FRAMES, Ordering::SeqCst);
         running.set(vec![target(1, &[5]), target(2, &[50])]);
-        assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[5]), "a later read goes further");
-        assert_eq!(answered(&running, 1), expected(MethodKind::Smr, &[50]));
+        assert_eq!(answered(&running, 0), expected(MethodKind::Paper, &[5]), "a later read goes further");
+        assert_eq!(answered(&running, 1), expected(MethodKind::Paper, &[50]));
     }
     // If a recording grows, tracking continues once the source knows more frames.
     let mut running = Running::start(Scene { given: 20.into(), ..Scene::default() }, vec![target(1, &[1])]);
@@ -281,7 +281,7 @@ fn the_end_of_a_read_is_not_the_end_of_the_recording() {
     running.scene.given.store(FRAMES, Ordering::SeqCst);
     running.followed.learns(Some(FRAMES));
     running.heard();
-    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1]));
+    assert_eq!(answered(&running, 0), expected(MethodKind::Paper, &[1]));
 }
 
 /// The length of a recording may be known only once it has been read, or its frames have been counted.
@@ -294,7 +294,7 @@ fn a_lock_behind_the_end_is_said_once_the_length_is_known() {
     let beyond = |known| running.followed.beyond(known);
     let said = |last: usize| Some(format!("there is no frame 200 for 2: expected 1 to {last}"));
     assert_eq!((beyond(None), beyond(Some(FRAMES))), (said(FRAMES), None));
-    let followed = Followed::new(variant(MethodKind::Smr), vec![behind(1, 99)], &Scene::default()).unwrap();
+    let followed = Followed::new(variant(MethodKind::Paper), vec![behind(1, 99)], &Scene::default()).unwrap();
     assert_eq!([None, Some(0), Some(99)].map(|known| followed.beyond(known)), [None, None, None]);
     assert_eq!(followed.beyond(Some(98)), Some("there is no frame 99 for 1: expected 1 to 98".to_owned()));
 }
@@ -346,7 +346,7 @@ fn a_camera_restores_what_was_and_goes_on_from_what_it_keeps() {
     assert!(said.iter().any(|said| said.starts_with("frame 1 is not kept any more")), "{said:?}");
     running.set(vec![target(1, &[1]), target(2, &[2]), target(3, &[35])]);
     assert_eq!([0, 1, 2].map(|at| answered(&running, at).len()), [0, 0, 6]);
-    running.followed.set_variant(variant(MethodKind::Smr));
+    running.followed.set_variant(variant(MethodKind::Paper));
     running.heard();
     assert_eq!(answered(&running, 0).len(), expected.len());
 }
