@@ -10,7 +10,7 @@ use smr_core::similarity::{Backend, Table};
 use smr_core::{ConfigError, Setting, Settings, Shape, robust};
 use smr_evaluation::{Configs, MethodKind, Variant};
 use smr_recordings::messages::choice_name;
-use smr_reference::{Numbers, robust as reference};
+use smr_reference::{Numbers, robust as robust_reference};
 use std::fmt;
 use std::num::NonZeroU32;
 use std::str::FromStr;
@@ -244,13 +244,13 @@ impl TrackerOptions {
     fn paper(&self) -> Result<Config> {
         let mut config = if self.config == Some(Preset::Camera) { Config::camera() } else { Config::paper() };
         config.backend = self.backend;
-        for Given { name, values, .. } in &self.set {
-            match name.as_str() {
-                // A configuration borrows its table for the life of the program, so the table is leaked.
-                "scale" => config.table = Box::leak(Box::new(Table::new(values[0])?)),
-                "pruning" => config.pruning = values[0] != 0,
-                _ => {}
-            }
+        let given = |name: &str| self.set.iter().rfind(|given| given.name == name).map(|given| given.values[0]);
+        if let Some(scale) = given("scale") {
+            // A configuration borrows its table for the life of the program, so the table is leaked.
+            config.table = Box::leak(Box::new(Table::new(scale)?));
+        }
+        if let Some(pruning) = given("pruning") {
+            config.pruning = pruning != 0;
         }
         let config = self.put(config)?;
         ensure!(
@@ -279,23 +279,11 @@ impl TrackerOptions {
     }
 
     /// Parameters of the robust tracker's reference, which has its own copy of the defaults.
-    pub fn robust_reference_numbers(&self) -> reference::Numbers {
-        let mut numbers = reference::Numbers::refined();
+    pub fn robust_reference_numbers(&self) -> robust_reference::Numbers {
+        let mut numbers = robust_reference::Numbers::refined();
         numbers.refiner = self.config != Some(Preset::Robust);
         for Given { name, values, .. } in &self.set {
-            let (number, is_on) = (f64::from(values[0]), values[0] != 0);
-            match name.as_str() {
-                "size" => numbers.size = is_on,
-                "sweep" => numbers.sweep = values[0].into(),
-                "refiner" => numbers.refiner = is_on,
-                "reach" => numbers.reach = values[0].into(),
-                "patience" => numbers.confidence_rate = 256.0 - number,
-                "lost_below" => numbers.lost_below = number,
-                "uncertain_below" => numbers.uncertain_below = number,
-                "learning_rate" => numbers.update_step = number / 256.0,
-                "early_rate" => numbers.early_rate = number / 1024.0,
-                _ => {}
-            }
+            numbers.set(name, values[0]);
         }
         numbers
     }
@@ -304,27 +292,7 @@ impl TrackerOptions {
     pub fn reference_numbers(&self) -> Numbers {
         let mut numbers = if self.config == Some(Preset::Camera) { Numbers::camera() } else { Numbers::paper() };
         for Given { name, values, .. } in &self.set {
-            let (whole, real) = (|place: usize| i64::from(values[place]), |place: usize| f64::from(values[place]));
-            match name.as_str() {
-                "scale" => numbers.scale = real(0),
-                "k" => numbers.k = (real(0), real(1)),
-                "gate_tracking" => numbers.gate.tracking = (real(0), real(1)),
-                "gate_leaving" => numbers.gate.border = (real(0), real(1)),
-                "gate_returning" => numbers.gate.been_at_border = (real(0), real(1)),
-                "gate_lost" => numbers.gate.lost = (real(0), real(1)),
-                "gate_lead" => numbers.gate.lead = real(0),
-                "least_ratio" => numbers.gate.least_ratio = real(0),
-                "first_threshold" => numbers.first_alpha = real(0),
-                "least_threshold" => numbers.least_alpha = real(0),
-                "padding" => numbers.padding = whole(0),
-                "window" => numbers.window = (whole(0), whole(1)),
-                "growth" => numbers.growth = whole(0),
-                "window_limit" => numbers.window_limit = Some((whole(0), whole(1))),
-                "neighbourhood" => numbers.neighbourhood = whole(0),
-                "runner_up_always" => numbers.runner_up_always = whole(0) != 0,
-                "update_zone" => numbers.zone = (whole(0), whole(1), whole(2), whole(3)),
-                _ => {}
-            }
+            numbers.set(name, values);
         }
         numbers
     }
@@ -363,5 +331,40 @@ impl FromStr for Pair {
     fn from_str(text: &str) -> Result<Self> {
         let pair = text.split_once('x').and_then(|(x, y)| Some(Self(x.parse().ok()?, y.parse().ok()?)));
         pair.context("expected two whole numbers like 60x50, each at most 65535")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The reference would otherwise keep its default, and `check --set` would compare two settings.
+    #[test]
+    fn every_setting_reaches_the_reference() {
+        let differ = |name: &str, [low, high]: [(bool, String); 2]| {
+            assert!(low.0 && high.0, "the reference does not know {name}");
+            assert_ne!(low.1, high.1, "{name} changes nothing");
+        };
+        for Known { setting, methods, .. } in known() {
+            let (name, range) = (setting.name(), [setting.lowest, setting.highest]);
+            match methods[0] {
+                // Pruning changes only the time.
+                MethodKind::Paper if name == "pruning" => {}
+                MethodKind::Paper => differ(
+                    name,
+                    range.map(|value| {
+                        let mut numbers = Numbers::paper();
+                        (numbers.set(name, &[value; 4]), format!("{numbers:?}"))
+                    }),
+                ),
+                _ => differ(
+                    name,
+                    range.map(|value| {
+                        let mut numbers = robust_reference::Numbers::refined();
+                        (numbers.set(name, value), format!("{numbers:?}"))
+                    }),
+                ),
+            }
+        }
     }
 }

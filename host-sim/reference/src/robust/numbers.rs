@@ -174,4 +174,22 @@ impl Numbers {
             better_by: 16_000.0,
         }
     }
+
+    /// Sets the parameter that `--set` names to a value. False: there is no such parameter.
+    pub fn set(&mut self, name: &str, value: u16) -> bool {
+        let number = f64::from(value);
+        match name {
+            "size" => self.size = value != 0,
+            "sweep" => self.sweep = value.into(),
+            "refiner" => self.refiner = value != 0,
+            "reach" => self.reach = value.into(),
+            "patience" => self.confidence_rate = 256.0 - number,
+            "lost_below" => self.lost_below = number,
+            "uncertain_below" => self.uncertain_below = number,
+            "learning_rate" => self.update_step = number / 256.0,
+            "early_rate" => self.early_rate = number / 1024.0,
+            _ => return false,
+        }
+        true
+    }
 }
