@@ -19,7 +19,7 @@ const MAX_LINE_BYTES: u64 = 256 << 20;
 const LOG_PREFIX: &[u8] = b"smr-record [";
 
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Report {
+pub struct ReplayedRecord {
     /// One flight for each start of the firmware, which appends to the same record.
     pub flights: Vec<Flight>,
     /// Size of an incomplete last entry in bytes, where the record was cut off; else 0.
@@ -50,7 +50,7 @@ pub struct Flight {
     pub pixels: u64,
     /// Size of an incomplete entry at the flight's end in bytes; else 0.
     pub cut_off: usize,
-    /// Replayed answer to the last update, if the record has none.
+    /// ReplayedRecord answer to the last update, if the record has none.
     pub unanswered: Option<Unanswered>,
     /// Tracker settings by name, each a list of values; null unless requested.
     pub settings: Value,
@@ -58,7 +58,7 @@ pub struct Flight {
     pub entries: Vec<Value>,
 }
 
-/// Replayed answer to an update that has no answer in the record.
+/// ReplayedRecord answer to an update that has no answer in the record.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Unanswered {
     pub frame: u64,
@@ -81,10 +81,10 @@ pub struct Difference {
 }
 
 /// Replays the record up to the first difference, and calls `progress` for each entry; `every` adds settings and
-/// entries to the report. Errors: The file is no record, or cannot be read. Later damage is in [`Report::damage`].
-pub fn replay(source: impl Read, every: bool, progress: impl Fn()) -> Result<Report> {
+/// entries to the report. Errors: The file is no record, or cannot be read. Later damage is in [`ReplayedRecord::damage`].
+pub fn replay(source: impl Read, every: bool, progress: impl Fn()) -> Result<ReplayedRecord> {
     let record = bytes_of(source).context("cannot read the record")?;
-    let mut report = Report::default();
+    let mut report = ReplayedRecord::default();
     let mut running: Option<Box<dyn FlightReplay<'_> + '_>> = None;
     let mut all = entries(&record);
     while let Some(found) = all.next() {
@@ -153,7 +153,7 @@ fn not_a_record() -> Error {
     anyhow!("it is not a flight record: expected an entry SMRB first, or lines of a log with `smr-record [`")
 }
 
-fn end(run: Option<Box<dyn FlightReplay<'_> + '_>>, report: &mut Report, cut_off: usize) {
+fn end(run: Option<Box<dyn FlightReplay<'_> + '_>>, report: &mut ReplayedRecord, cut_off: usize) {
     if let (Some(mut run), Some(flight)) = (run, report.flights.last_mut()) {
         let frame = flight.locks + flight.answers + 1;
         let answer = run.unanswered();

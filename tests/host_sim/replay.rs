@@ -1,7 +1,7 @@
 //! `host-sim replay` with records of `smr_core::record`: whole, damaged, cut off, one after another, or part of a log.
 
 use crate::program::{host_sim, utf8};
-use host_sim::replay::{Report, replay};
+use host_sim::replay::{ReplayedRecord, replay};
 use smr_core::paper::{self, Fraction, Radius};
 use smr_core::record::{Recorded, Recorder};
 use smr_core::similarity::Table;
@@ -105,7 +105,7 @@ fn flights(frames: usize) -> [(CoreKind, Vec<u8>, Vec<Answer>); 2] {
     [(CoreKind::Paper, paper, by_paper), (CoreKind::Robust, robust, by_robust)]
 }
 
-fn replayed(bytes: &[u8]) -> Result<Report, String> {
+fn replayed(bytes: &[u8]) -> Result<ReplayedRecord, String> {
     replay(Cursor::new(bytes), false, || ()).map_err(|error| format!("{error:#}"))
 }
 

@@ -169,7 +169,7 @@ fn the_float_reference_answers_as_the_vectors_of_the_paper_say() {
                 }
                 Entry::Restored(_) => {
                     let check = check.take().expect("it is locked");
-                    assert!(check.holds(), "{name}, flight {}: {:?}", counts.0, check.into_report().violation);
+                    assert!(check.holds(), "{name}, flight {}: {:?}", counts.0, check.into_comparison().violation);
                 }
                 Entry::Answer(_) | Entry::Moved { .. } => {}
             }

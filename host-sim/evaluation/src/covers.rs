@@ -43,7 +43,7 @@ const NOT_TRACKING: Goal = ("tracking in more than 2 frames", |of| of.tracking >
 const LOST: Goal = ("not lost by frame 30", |of| of.lost_at.is_none_or(|frame| frame > LOST_BY));
 const RIGHT_AGAIN: Goal = ("not right again", |of| of.right_before && of.right_again.is_none());
 
-struct Row {
+struct CoverFigures {
     tracker: String,
     origin: Origin,
     cover: Cover,
@@ -132,7 +132,7 @@ const MEASURED: &[Column<Counts>] = &[
 ];
 
 /// Columns of the table of covers. The median of an even number of recordings is the larger of the two middle values.
-const COVERS: &[Column<Row>] = &[
+const COVERS: &[Column<CoverFigures>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
     ("cover", "cover", 0, |row| choice_name(&row.cover).into()),
     ("recordings", "recordings", 0, |row| row.recordings.len().into()),
@@ -150,7 +150,7 @@ const COVERS: &[Column<Row>] = &[
     ("", "right again", 0, |row| format!("{} of {}", row.right_again(), row.right_before()).into()),
 ];
 
-impl Row {
+impl CoverFigures {
     fn right_before(&self) -> usize {
         self.recordings.iter().filter(|of| of.right_before).count()
     }
@@ -189,16 +189,16 @@ fn tables(counts: &[Counts], variants: &[Variant]) -> Tables {
     let row = |(variant, cover): (&Variant, Cover)| {
         let of_case = |of: &&Counts| of.tracker == variant.name && of.cover == cover;
         let recordings = counts.iter().filter(of_case).cloned().collect();
-        Row { tracker: variant.name.clone(), origin: variant.origin(), cover, recordings }
+        CoverFigures { tracker: variant.name.clone(), origin: variant.origin(), cover, recordings }
     };
-    let rows: Vec<Row> = cases.filter(|_| !counts.is_empty()).map(row).collect();
+    let rows: Vec<CoverFigures> = cases.filter(|_| !counts.is_empty()).map(row).collect();
     let origins = rows.iter().map(|row| Some(row.origin.clone()));
     Tables {
         tables: vec![
             Table::of(TableName::Measured, 0, MEASURED, counts),
             Table::of(TableName::Means, 2, COVERS, &rows).and(Origin::COLUMNS, origins),
         ],
-        remarks: rows.iter().flat_map(Row::missed).collect(),
+        remarks: rows.iter().flat_map(CoverFigures::missed).collect(),
     }
 }
 

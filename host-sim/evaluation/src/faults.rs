@@ -25,7 +25,7 @@ const MAX_PLACES: usize = 8;
 pub const METHODS: [MethodKind; 2] = [MethodKind::Paper, MethodKind::Robust];
 
 #[derive(Debug)]
-struct Row {
+struct FaultFigures {
     tracker: String,
     origin: Origin,
     /// The fault; `None` for the same runs without a fault.
@@ -86,14 +86,14 @@ impl<'f> Faults<'f> {
         place + fault.map_or(self.longest, Fault::frames)
     }
 
-    fn rows(&self, records: &[Record<'_, Option<Counts>>], variants: &[Variant]) -> Vec<Row> {
+    fn rows(&self, records: &[Record<'_, Option<Counts>>], variants: &[Variant]) -> Vec<FaultFigures> {
         let cases = variants.iter().flat_map(|variant| self.cases.iter().map(move |&fault| (variant, fault.copied())));
         let row = |(variant, fault): (&Variant, Option<Fault>)| {
             let own = records.iter().filter(|record| record.variant.name == variant.name);
             let of_fault = |(case, _): &&(Case, _)| case.intervention.fault() == fault;
             let runs =
                 own.flat_map(|record| record.runs.iter().filter(of_fault).filter_map(|(_, counts)| counts.clone()));
-            Row { tracker: variant.name.clone(), origin: variant.origin(), fault, runs: runs.collect() }
+            FaultFigures { tracker: variant.name.clone(), origin: variant.origin(), fault, runs: runs.collect() }
         };
         cases.filter(|_| !records.is_empty()).map(row).collect()
     }
@@ -182,11 +182,11 @@ impl Counts {
 }
 
 /// Table columns. Frames until the box was right again: median and maximum over the runs in which it was right again.
-const COLUMNS: &[Column<Row>] = &[
+const COLUMNS: &[Column<FaultFigures>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
     ("fault", "fault", 0, |row| row.fault.map_or("none".to_owned(), |fault| fault.to_string()).into()),
     ("fault_frames", "", 0, |row| row.fault.map_or(0, |fault| fault.frames()).into()),
-    ("", "state during it", 0, Row::states),
+    ("", "state during it", 0, FaultFigures::states),
     ("runs", "runs", 0, |row| row.runs.len().into()),
     ("tracking", "", 0, |row| row.sum(|run| run.states[0]).into()),
     ("leaving", "", 0, |row| row.sum(|run| run.states[1]).into()),
@@ -223,7 +223,7 @@ fn median(sorted: &[usize]) -> Option<usize> {
     sorted.get(sorted.len() / 2).copied()
 }
 
-impl Row {
+impl FaultFigures {
     fn sum(&self, of: fn(&Counts) -> usize) -> usize {
         self.runs.iter().map(of).sum()
     }

@@ -5,14 +5,14 @@ pub(super) const SOURCE: &str = "printed";
 const SEQUENCES: [&str; 6] = ["01_david", "02_jumping", "03_pedestrian1", "04_pedestrian2", "05_pedestrian3", "06_car"];
 
 /// Number of correct frames of a tracker, for each of `SEQUENCES`; `None` where the paper has no figure.
-pub(super) struct Row {
+pub(super) struct PrintedTracker {
     pub tracker: &'static str,
     correct: [Option<u16>; 6],
 }
 
-pub(super) const TABLE: [Row; 6] = [
+pub(super) const TABLE: [PrintedTracker; 6] = [
     row("Lim 2004 (incremental subspace)", [17, 75, 11, 33, 50, 163]),
-    Row {
+    PrintedTracker {
         tracker: "Collins 2005 (online feature selection)",
         correct: [None, Some(313), Some(6), Some(8), Some(5), None],
     },
@@ -22,11 +22,11 @@ pub(super) const TABLE: [Row; 6] = [
     row("SMR, the paper", [761, 313, 140, 236, 66, 510]),
 ];
 
-const fn row(tracker: &'static str, [a, b, c, d, e, f]: [u16; 6]) -> Row {
-    Row { tracker, correct: [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] }
+const fn row(tracker: &'static str, [a, b, c, d, e, f]: [u16; 6]) -> PrintedTracker {
+    PrintedTracker { tracker, correct: [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] }
 }
 
-impl Row {
+impl PrintedTracker {
     pub fn correct(&self, sequence: &str) -> Option<u16> {
         SEQUENCES.iter().zip(self.correct).find(|(known, _)| **known == sequence)?.1
     }

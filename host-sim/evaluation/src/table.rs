@@ -195,19 +195,19 @@ impl Serialize for Tables {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let named = self.tables.iter().filter_map(|table| Some((table.name?.text(), table)));
         serializer.collect_map(named.map(|(name, table)| {
-            let rows = table.for_programs().map(|cells| Row { table, cells });
+            let rows = table.for_programs().map(|cells| KeyedCells { table, cells });
             (name, rows.collect::<Vec<_>>())
         }))
     }
 }
 
 /// Serialises a row as an object, with keys in the order of the columns.
-struct Row<'a> {
+struct KeyedCells<'a> {
     table: &'a Table,
     cells: &'a [Value],
 }
 
-impl Serialize for Row<'_> {
+impl Serialize for KeyedCells<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.table.keyed().map(|(at, key)| (key, &self.cells[at])))
     }

@@ -54,7 +54,7 @@ impl<T: Checked> Sides<T> {
 }
 
 #[derive(Clone, Debug, Serialize)]
-pub struct Report<C> {
+pub struct Comparison<C> {
     pub sequence: String,
     /// Compared frames: all after the first, up to and including the first violation.
     pub frames: usize,
@@ -108,9 +108,9 @@ impl<T: Checked> Check<T> {
         Ok(())
     }
 
-    pub fn into_report(self) -> Report<T::Counts> {
+    pub fn into_comparison(self) -> Comparison<T::Counts> {
         let Self { name: sequence, sides: Sides { counts, .. }, frames, violation } = self;
-        Report { sequence, frames, violation, counts }
+        Comparison { sequence, frames, violation, counts }
     }
 }
 

@@ -153,13 +153,13 @@ fn state(decision: Decision) -> State {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Check, Report};
+    use super::super::{Check, Comparison};
     use super::*;
     use smr_core::paper::Config;
 
     /// Compares core, set by `Config::camera()`, with the reference, set by `numbers`, on two checkerboard frames. Each
     /// frame has its own two gray levels.
-    fn report(numbers: Numbers, first: [u8; 2], second: [u8; 2]) -> Report<Counts> {
+    fn report(numbers: Numbers, first: [u8; 2], second: [u8; 2]) -> Comparison<Counts> {
         let frame = |levels: [u8; 2]| {
             let pixels = (0..30 * 30).map(|at| levels[(at % 30 + at / 30) % 2]).collect();
             GrayFrame { width: 30, height: 30, pixels }
@@ -168,7 +168,7 @@ mod tests {
         let mut check = Check::<Paper>::lock("two levels", (Config::camera(), numbers), 5000, &frame(first), target)
             .expect("a box in the frame");
         check.update(&frame(second)).expect("a frame of the same size");
-        check.into_report()
+        check.into_comparison()
     }
 
     /// In each case the second frame is similar to the first, but has too little contrast or too many clipped pixels.

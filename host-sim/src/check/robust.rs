@@ -145,23 +145,23 @@ mod tests {
     use smr_recordings::{CHECKED, OpenOptions};
     use std::path::Path;
 
-    type Report = check::Report<Counts>;
+    type Comparison = check::Comparison<Counts>;
 
     fn lock(name: &str, numbers: Numbers, config: Config, first: &GrayFrame, target: Rect) -> Check<Robust> {
         Check::lock(name, (config, numbers), u32::MAX, first, target).unwrap()
     }
 
-    fn through(mut check: Check<Robust>, frames: impl Iterator<Item = GrayFrame>) -> Report {
+    fn through(mut check: Check<Robust>, frames: impl Iterator<Item = GrayFrame>) -> Comparison {
         for frame in frames {
             if !check.holds() {
                 break;
             }
             check.update(&frame).unwrap();
         }
-        check.into_report()
+        check.into_comparison()
     }
 
-    fn checked(name: &str, config: Config, numbers: Numbers, length: usize) -> Report {
+    fn checked(name: &str, config: Config, numbers: Numbers, length: usize) -> Comparison {
         let sequence = smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap();
         let target = sequence.start().unwrap();
         let mut frames = sequence.frames.map(|frame| frame.unwrap().gray);
@@ -249,7 +249,7 @@ mod tests {
 
     /// Fails if the unchanged parameters violate the check, or if changed ones do not.
     #[track_caller]
-    fn noticed(report: impl Fn(Numbers) -> Report + Sync, others: &[Change<Numbers>]) {
+    fn noticed(report: impl Fn(Numbers) -> Comparison + Sync, others: &[Change<Numbers>]) {
         assert_eq!(report(Numbers::refined()).violation, None);
         let holds = |change: fn(&mut Numbers)| {
             let mut numbers = Numbers::refined();
@@ -260,13 +260,13 @@ mod tests {
         assert!(unnoticed.is_empty(), "other numbers go unnoticed: {unnoticed:?}");
     }
 
-    fn moved_once(numbers: Numbers, target: Rect) -> Report {
+    fn moved_once(numbers: Numbers, target: Rect) -> Comparison {
         let frame = |step: usize| GrayFrame { width: 240, height: 160, pixels: tiles(240, 160, |x, y| (x + step, y)) };
         through(lock("bounds", numbers, Config::refined(), &frame(0), target), std::iter::once(frame(1)))
     }
 
     /// Frames turn pure black and white: they have contrast, but all pixels are clipped, so they cannot show a target.
-    fn cut_off(numbers: Numbers) -> Report {
+    fn cut_off(numbers: Numbers) -> Comparison {
         let cut = |mut frame: GrayFrame| {
             frame.pixels.iter_mut().for_each(|pixel| *pixel = if *pixel < 128 { 0 } else { 255 });
             frame
@@ -277,7 +277,7 @@ mod tests {
 
     /// Noise hides the target for 75 frames. The confidence limits for uncertain and lost are 1/65535, so that the
     /// refiner's network decides the state.
-    fn noisy(mut numbers: Numbers) -> Report {
+    fn noisy(mut numbers: Numbers) -> Comparison {
         let mut config = Config::refined();
         (config.lost_below, config.uncertain_below) = (1, 1);
         (numbers.lost_below, numbers.uncertain_below) = (1.0, 1.0);
@@ -295,7 +295,7 @@ mod tests {
     }
 
     /// A target jumps over a tiled background. Then it grows by a pixel in each frame, with its right half inverted.
-    fn jumping(numbers: Numbers) -> Report {
+    fn jumping(numbers: Numbers) -> Comparison {
         let frame = |(left, top): (usize, usize), side: usize| {
             let target = tiles(32, 32, |x, y| (x, y));
             let pixel =
@@ -316,7 +316,7 @@ mod tests {
     }
 
     /// The contrast of the target falls to a third, and then that of the whole picture to a sixth.
-    fn dimmed(numbers: Numbers) -> Report {
+    fn dimmed(numbers: Numbers) -> Comparison {
         let frame = |(target, all): (i32, i32)| {
             let mut frame = still(0);
             for (at, pixel) in frame.pixels.iter_mut().enumerate() {
@@ -335,7 +335,7 @@ mod tests {
     fn a_lost_target_that_comes_back_where_it_is_followed_holds() {
         let hidden = [0; 5].into_iter().chain([28; 8]).chain([0; 8]);
         let check = lock("still", Numbers::refined(), Config::refined(), &still(0), Rect::new(14, 14, 32, 32));
-        let Report { violation, counts, .. } = through(check, hidden.map(still));
+        let Comparison { violation, counts, .. } = through(check, hidden.map(still));
         assert_eq!((violation, counts.found_again), (None, 0));
         assert!(counts.lost > 0 && counts.swept > 0 && counts.lost < 8, "{counts:?}");
     }
@@ -366,7 +366,7 @@ mod tests {
     }
 
     /// The target disappears until it is lost, then returns far away.
-    fn hidden(numbers: Numbers) -> Report {
+    fn hidden(numbers: Numbers) -> Comparison {
         let frame = |at: Option<(usize, usize)>| {
             let ground = |x: usize, y: usize| u8::try_from(100 + (x / 40 + y / 40) % 2 * 30).unwrap();
             let mut pixels: Vec<u8> = (0..240 * 160).map(|at| ground(at % 240, at / 240)).collect();

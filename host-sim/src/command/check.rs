@@ -29,11 +29,11 @@ pub struct Check {
 }
 
 #[derive(Debug, Serialize)]
-struct Report {
+struct CheckedRecording {
     #[serde(flatten)]
     origin: Origin,
     #[serde(flatten)]
-    report: check::Report<Counts>,
+    report: check::Comparison<Counts>,
 }
 
 #[derive(Debug, Serialize)]
@@ -59,11 +59,11 @@ impl Check {
             let json = serde_json::to_string_pretty(&reports)?;
             say(|out| writeln!(out, "{json}"))?;
         }
-        let holds = |report: &Report| report.report.violation.is_none();
+        let holds = |report: &CheckedRecording| report.report.violation.is_none();
         result.map(|()| if reports.iter().all(holds) { Outcome::Holds } else { Outcome::CheckFailed })
     }
 
-    fn check(&self, path: &Path) -> Result<Report> {
+    fn check(&self, path: &Path) -> Result<CheckedRecording> {
         let variant = self.tracker.variant(self.method.into())?;
         let configs = &variant.configs;
         let report = match self.method {
@@ -76,7 +76,7 @@ impl Check {
                 self.compare::<Robust>(path, (configs.robust, numbers), configs.step, Counts::Robust)?
             }
         };
-        Ok(Report { origin: variant.origin(), report })
+        Ok(CheckedRecording { origin: variant.origin(), report })
     }
 
     fn compare<T: Checked>(
@@ -85,7 +85,7 @@ impl Check {
         numbers: (T::Config, T::Numbers),
         step: u32,
         counts: fn(T::Counts) -> Counts,
-    ) -> Result<check::Report<Counts>> {
+    ) -> Result<check::Comparison<Counts>> {
         let sequence = self.recording.open(path)?;
         let target = sequence.start()?;
         let (name, mut frames) = (sequence.name, sequence.frames);
@@ -103,15 +103,15 @@ impl Check {
             progress.inc();
         }
         progress.clear();
-        let check::Report { sequence, frames, violation, counts: counted } = run.into_report();
+        let check::Comparison { sequence, frames, violation, counts: counted } = run.into_comparison();
         let compared = frames > 0 || violation.is_some();
         ensure!(compared, "{name}: only one frame, which is locked on: expected two or more");
-        Ok(check::Report { sequence, frames, violation, counts: counts(counted) })
+        Ok(check::Comparison { sequence, frames, violation, counts: counts(counted) })
     }
 }
 
-fn describe(report: &check::Report<Counts>, out: &mut impl Write) -> io::Result<()> {
-    let check::Report { sequence, frames, violation, counts } = report;
+fn describe(report: &check::Comparison<Counts>, out: &mut impl Write) -> io::Result<()> {
+    let check::Comparison { sequence, frames, violation, counts } = report;
     let (compared, equal) = match counts {
         Counts::Paper(paper::Counts { scores, runners_up, .. }) => (
             format!("{scores} scores"),

@@ -38,7 +38,7 @@ pub struct Convert {
 }
 
 #[derive(Serialize)]
-struct Report {
+struct Converted {
     version: &'static str,
     sequence: String,
     out: String,
@@ -80,7 +80,7 @@ impl Convert {
             let why = misfit.unwrap_or_else(|| "no ground truth for each frame".to_owned());
             complain(&format!("note: {name}: {why}: only the initial box is written"));
         }
-        let report = Report {
+        let report = Converted {
             version: env!("CARGO_PKG_VERSION"),
             sequence: name,
             out: self.out.display().to_string(),
@@ -103,7 +103,7 @@ impl Convert {
     }
 }
 
-fn line(Report { out, written, format, init, .. }: &Report) -> String {
+fn line(Converted { out, written, format, init, .. }: &Converted) -> String {
     let Written { frames, width, height, bytes, boxes, list, config } = written;
     let mut line = format!("{out}: {frames} frames of {width}x{height}, {bytes} bytes");
     if format == "raw" {

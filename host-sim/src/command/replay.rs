@@ -1,7 +1,7 @@
 //! `host-sim replay`: replays a flight record of firmware through smr-core and prints the first difference.
 
 use super::{Outcome, progress, tell};
-use crate::replay::{self, Flight, Report};
+use crate::replay::{self, Flight, ReplayedRecord};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use std::fs::File;
@@ -23,7 +23,7 @@ struct Replayed<'a> {
     version: &'static str,
     file: String,
     #[serde(flatten)]
-    report: &'a Report,
+    report: &'a ReplayedRecord,
 }
 
 impl Replay {

@@ -5,7 +5,7 @@ use super::paths::{Places, Taken, listed};
 use super::progress::{self, Bar};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::video::{Film, Shown};
+use super::video::{AnswersVideo, Shown};
 use super::{Outcome, is_closed_pipe};
 use anyhow::{Context, Error, Result, bail, ensure};
 use smr_core::Quality;
@@ -161,12 +161,12 @@ impl Track {
         progress::bar(&name, sequence.length.or_else(|| whole().map(part)))
     }
 
-    fn film(&self, out: &Path, sequence: &mut Sequence) -> Result<Film> {
+    fn film(&self, out: &Path, sequence: &mut Sequence) -> Result<AnswersVideo> {
         let (patience, number) = (self.recording.ffmpeg_patience(), sequence.first);
         let sound = sequence.source.video().map(Path::to_owned);
         let is_cut = self.recording.frames().is_some_and(|part| part.last().is_some());
         let plan = Plan { sound, is_cut, number, patience };
-        Film::create(out, plan, sequence.truth.take().unwrap_or_default(), &self.ids)
+        AnswersVideo::create(out, plan, sequence.truth.take().unwrap_or_default(), &self.ids)
     }
 }
 
@@ -177,7 +177,7 @@ struct Pass {
     printer: Printer,
     lines: Lines,
     events: Option<Events>,
-    film: Option<(PathBuf, Film)>,
+    film: Option<(PathBuf, AnswersVideo)>,
     bar: Bar,
     live: Option<Arc<Arrivals>>,
     drops: bool,

@@ -8,7 +8,7 @@ use smr_pages::export::{self, Overlay, Plan};
 use smr_recordings::{BoundingBox, Frame};
 use std::path::Path;
 
-pub struct Film {
+pub struct AnswersVideo {
     film: export::Film,
     truth: std::vec::IntoIter<Option<BoundingBox>>,
     /// Id of each target, which selects its color; 1, 2, ... if the list is shorter.
@@ -23,7 +23,7 @@ pub struct Shown<'a> {
     pub report: Option<Report>,
 }
 
-impl Film {
+impl AnswersVideo {
     /// Creates the video. `truth` has the ground-truth box of each frame, if there is any.
     pub fn create(out: &Path, plan: Plan, truth: Vec<Option<BoundingBox>>, ids: &[usize]) -> Result<Self> {
         let film = export::Film::create(out, plan)?;

@@ -10,7 +10,7 @@ use host_sim::command::recording_options::RecordingOptions;
 use host_sim::command::{Outcome, program, say, whole};
 use object::elf::{SHF_ALLOC, SHF_WRITE};
 use object::{File, Object, ObjectSection, SectionFlags, SectionKind};
-use replay::Report;
+use replay::ReplayedRecord;
 use smr_evaluation::CoreKind;
 use smr_recordings::cleanup::Process;
 use smr_recordings::input;
@@ -109,7 +109,7 @@ impl Qemu {
                 true => self.traced(folder.path(), 1).map(|(holds, estimated)| (holds, Some(estimated)))?,
                 false => self.start(folder.path(), &[], drained)?,
             };
-            let report = Report::of(folder.path(), &record).with_context(|| name.clone())?;
+            let report = ReplayedRecord::of(folder.path(), &record).with_context(|| name.clone())?;
             let (median, stack) = (report.updates[0], report.stack);
             let method = if is_record(path) { "as recorded".to_owned() } else { self.method_name() };
             let mut text = format!("{name} on {}, {method}: {report}", self.machine);

@@ -61,7 +61,7 @@ pub fn write(record: &[u8], step: Option<NonZeroU32>, folder: &Path) -> Result<(
 }
 
 /// Result and cost of the firmware's replay of a record.
-pub struct Report {
+pub struct ReplayedRecord {
     /// Bytes of a target, of a workspace, and of the buffer for one entry.
     memory: [u32; 3],
     /// First difference: number of the frame (from 1); name of the value, the firmware's value, the recorded value.
@@ -78,7 +78,7 @@ pub struct Report {
     of_update: u32,
 }
 
-impl Report {
+impl ReplayedRecord {
     /// Parses the firmware's output file in `folder`. Fails if the firmware refused or did not finish the record, if
     /// its timer stood still, or if the file has another format.
     pub fn of(folder: &Path, record: &[u8]) -> Result<Self> {
@@ -120,7 +120,7 @@ impl Report {
     }
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for ReplayedRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { memory: [target, workspace, buffer], work, updates, longest, counts, lock, of_update, .. } = self;
         if let Some((frame, (what, target, recorded))) = &self.difference {
@@ -139,7 +139,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// Parses the firmware's line about a difference into the fields of `Report::difference`. Fails if the firmware refused
+/// Parses the firmware's line about a difference into the fields of `ReplayedRecord::difference`. Fails if the firmware refused
 /// the frame, or if the line has another format.
 fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, String, String))> {
     let [5, at, why, x, y, width, height, state, confidence, ratio, runner_up, alpha, scale, again, ..] = *line else {

@@ -21,7 +21,7 @@ use smr_recordings::Sequence;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-struct Row<'a> {
+struct Measurement<'a> {
     variant: &'a Variant,
     sequence: String,
     /// Folder of the recording. If there are several folders, each tracker gets a mean over each folder's recordings.
@@ -54,7 +54,7 @@ pub fn measure(
     let (records, failures) = matrix::measure(&starts, paths.len(), |place| open(&paths[place]), variants, progress);
     let rows = records.into_iter().map(|record| {
         let (cases, runs): (Vec<_>, Vec<_>) = record.runs.into_iter().unzip();
-        Row {
+        Measurement {
             variant: record.variant,
             sequence: record.sequence,
             folder: folder_of(&paths[record.place]),
@@ -62,7 +62,7 @@ pub fn measure(
             starts: cases.into_iter().zip(runs.iter().map(|run| run.score)).collect(),
         }
     });
-    let rows: Vec<Row<'_>> = rows.collect();
+    let rows: Vec<Measurement<'_>> = rows.collect();
     let mut tables = without_pairs(&rows, variants);
     let tables = paired::table(&tables, former).map(|paired| {
         tables.tables.push(paired);
@@ -73,7 +73,7 @@ pub fn measure(
 
 /// Returns three tables. First: figures, one row per method and recording. Second: the starts of these rows, row after
 /// row. Third: means over all recordings and, if there are several folders, over each folder's recordings.
-fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
+fn without_pairs(rows: &[Measurement<'_>], variants: &[Variant]) -> Tables {
     let (figures, origin) = (Head::all(Figures::COLUMNS), Head::all(Origin::COLUMNS));
     let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")]);
     let mut measured = Table::new(TableName::Measured, 2, [names, figures.clone(), origin.clone()].concat());
@@ -172,12 +172,12 @@ mod tests {
         [MethodKind::Paper, MethodKind::Sad].map(|kind| Variant::new(kind, &Config::paper().into()))
     }
 
-    pub fn row<'a>(variant: &'a Variant, sequence: &str, figures: Figures) -> Row<'a> {
+    pub fn row<'a>(variant: &'a Variant, sequence: &str, figures: Figures) -> Measurement<'a> {
         let target = Rect::new(1, 2, 3, 4);
         let intervention = matrix::Intervention::None;
         let case = Case { name: "given".to_owned(), frame: 0, target, end: 4, intervention };
         let start = (case, Score { visible: 4, correct: 2, ..Score::default() });
-        Row { variant, sequence: sequence.to_owned(), folder: "a/tld".into(), figures, starts: vec![start; 5] }
+        Measurement { variant, sequence: sequence.to_owned(), folder: "a/tld".into(), figures, starts: vec![start; 5] }
     }
 
     /// A target that moves by two pixels per frame; in the third frame the ground truth marks it as hidden.
@@ -290,7 +290,7 @@ mod tests {
             microseconds_per_frame: 12.4,
         };
         let variants = variants();
-        let elsewhere = |row| Row { folder: "b/more".into(), ..row };
+        let elsewhere = |row| Measurement { folder: "b/more".into(), ..row };
         let rows = [
             row(&variants[0], "01_david", figures(0.75, 10, Some(123_456.0))),
             row(&variants[0], "Man", figures(0.5, 10, Some(123_456.0))),

@@ -144,12 +144,12 @@ pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
 mod tests {
     use super::super::figures::Figures;
     use super::super::tests::{row, variants};
-    use super::super::{Row, without_pairs};
+    use super::super::{Measurement, without_pairs};
     use super::*;
     use crate::{Layout, Variant};
     use std::fs;
 
-    fn of<'a>(variant: &'a Variant, correct: [f64; 3]) -> Vec<Row<'a>> {
+    fn of<'a>(variant: &'a Variant, correct: [f64; 3]) -> Vec<Measurement<'a>> {
         let figures = |correct| Figures {
             mean_correct: correct,
             mean_correct_50: correct / 2.0,
@@ -160,7 +160,7 @@ mod tests {
     }
 
     /// The second method is better by 0.1, 0.3, -0.1 in the recordings: mean 0.1, standard error sqrt(0.08 / 2 / 3).
-    fn measured(variants: &[Variant]) -> Vec<Row<'_>> {
+    fn measured(variants: &[Variant]) -> Vec<Measurement<'_>> {
         [of(&variants[0], [0.2, 0.5, 0.8]), of(&variants[1], [0.3, 0.8, 0.7])].into_iter().flatten().collect()
     }
 
@@ -170,7 +170,7 @@ sad - paper                 3   +0.100       +0.050  +0.100
   standard error                 0.115        0.058   0.115
 ";
 
-    fn compared(rows: &[Row<'_>], former: Option<&Former>) -> Result<Tables> {
+    fn compared(rows: &[Measurement<'_>], former: Option<&Former>) -> Result<Tables> {
         let table = table(&without_pairs(rows, &variants()), former)?;
         Ok(Tables { tables: vec![table], ..Tables::default() })
     }
@@ -190,7 +190,7 @@ sad - paper                 3   +0.100       +0.050  +0.100
         assert!((paired["mean_correct_standard_error"].as_f64().unwrap() - 0.115_470).abs() < 1e-6);
     }
 
-    fn written(rows: &[Row<'_>]) -> Former {
+    fn written(rows: &[Measurement<'_>]) -> Former {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("former.json");
         fs::write(&file, serde_json::to_string(&without_pairs(rows, &variants())).unwrap()).unwrap();
@@ -215,8 +215,9 @@ sad - paper                 3   +0.100       +0.050  +0.100
     #[test]
     fn what_cannot_be_paired_is_named() {
         let variants = variants();
-        let error =
-            |former: &[Row<'_>]| format!("{:#}", compared(&measured(&variants), Some(&written(former))).err().unwrap());
+        let error = |former: &[Measurement<'_>]| {
+            format!("{:#}", compared(&measured(&variants), Some(&written(former))).err().unwrap())
+        };
         let mut other = measured(&variants);
         other[1].starts.pop();
         assert_eq!(error(&other), "FILE: b was measured from other starts");
