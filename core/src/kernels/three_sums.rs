@@ -1,6 +1,6 @@
 //! Filter responses at two rows of offsets by three sums of products instead of four (Karatsuba and Ofman, 1962).
 //!
-//! w[i] is row i of the filter, X[m] row m of the cells, and `w * X` their sums of products at all horizontal offsets:
+//! `w[i]` is row i of the filter, `X[m]` row m of the cells, and `w * X` their sums of products at all horizontal offsets:
 //!
 //! ```text
 //! response[2k]     = sum over i of  w[2i] * X[2m]     + w[2i + 1] * X[2m + 1],    m = k + i

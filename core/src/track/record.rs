@@ -1,7 +1,7 @@
 //! A flight record: everything that a tracker saw and answered, as bytes that can be replayed on any machine.
 //!
 //! Firmware passes each event to a [`Recorder`], which passes bytes to your function: for a file, flash, a serial line
-//! or a log. `host-sim replay FILE`, or [`replay`] in your own program, runs the record through the same code and
+//! or a log. `host-sim replay FILE`, or [`replay()`] in your own program, runs the record through the same code and
 //! reports the first difference. After a power failure the record is valid up to its last complete entry.
 //!
 //! ```
