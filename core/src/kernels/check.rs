@@ -419,6 +419,11 @@ fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
             check(bound.is_some() == counts, "bound of a far group", backend, (width, column, level));
         }
     }
+    // Two strides overflow a `usize`, so the ranges cannot lie in memory.
+    let beyond = Blocks { low: &low.0, high: &high.0, start: 0, stride: usize::MAX / 2 + 1 };
+    let template = picture(areas.end, true, (16, 3), 16);
+    let most = plain::scores::most(template, template);
+    check(scorer.bound(&beyond, template, most) == Some(most), "bound without ranges", backend, beyond.stride);
 }
 
 /// Compares filter responses and gradients: many filter shapes, the largest sums, and invalid layouts.
