@@ -263,14 +263,16 @@ macro_rules! scores {
                 unsafe { by_width!(rows.width, $vector, inside_at_least::<WHOLE, END>(&rows, floor)) }
             }
 
+            /// # Safety
+            /// The patch has at least as many rows as the template, and three more columns.
             #[inline(always)]
-            fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
+            unsafe fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
                 if !self.candidates.is_worth_it() {
                     return wanted;
                 }
                 let (rows, last) = (Rows::of(patch, template), self.last.unwrap_or(0));
-                // SAFETY: the backend exists, so the machine has its instructions. The pictures are borrowed, and
-                // `Scorer::candidates` has checked that the patch has three more columns than the template.
+                // SAFETY: the backend exists, so the machine has its instructions. The pictures are borrowed, and the
+                // patch has three more columns than the template.
                 let candidates = unsafe { by_width!(rows.width, $vector, candidates::<WHOLE, END>(&rows, last, floor)) } & wanted;
                 self.candidates.note(candidates != wanted);
                 candidates

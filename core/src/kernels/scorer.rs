@@ -123,7 +123,8 @@ impl<'a> Scorer<'a> {
         if !fits || checked(patch, template).is_none() {
             return wanted;
         }
-        by_backend!(&self.ready, Ready(kernels) => kernels.candidates(patch, template, floor, wanted))
+        // SAFETY: the patch has at least as many rows as the template, and three more columns.
+        unsafe { by_backend!(&self.ready, Ready(kernels) => kernels.candidates(patch, template, floor, wanted)) }
     }
 
     /// Computes the lowest and the highest pixel of 4x4 blocks for [`Scorer::bound`], as the backend encodes them. The

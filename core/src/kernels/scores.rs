@@ -46,10 +46,13 @@ pub(crate) trait Scores {
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
     /// Returns `wanted`, a bit for each of four neighbouring offsets, with some bits cleared. Bit i is the offset i
-    /// columns to the right; it is cleared only if the score there cannot reach `floor`. The patch has three more
-    /// columns than the template. Backends without a fast bound return `wanted`.
+    /// columns to the right; it is cleared only if the score there cannot reach `floor`. Backends without a fast bound
+    /// return `wanted`.
+    ///
+    /// # Safety
+    /// The patch has at least as many rows as the template, and three more columns.
     #[inline(always)]
-    fn candidates(&self, _patch: Image<'_>, _template: Image<'_>, _floor: u32, wanted: u8) -> u8 {
+    unsafe fn candidates(&self, _patch: Image<'_>, _template: Image<'_>, _floor: u32, wanted: u8) -> u8 {
         wanted
     }
 

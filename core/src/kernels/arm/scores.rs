@@ -79,15 +79,17 @@ impl<L: Loops> Scores for Kernels<'_, L> {
         Some(reachable).filter(|&score| score >= floor)
     }
 
+    /// # Safety
+    /// The patch has at least as many rows as the template, and three more columns.
     #[inline(never)]
-    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
+    unsafe fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         let (rows, points) = (Rows::of(patch, template), self.plain.table.points());
         let needed = points.needed(floor, rows.pixels_after(0));
         if needed == 0 || !Self::can_take(rows.width) || !self.points.is_worth_it() {
             return wanted;
         }
-        // SAFETY: both pictures are borrowed and have at least `NARROWEST` columns. `Scorer::candidates` has checked
-        // that the patch has three more columns than the template.
+        // SAFETY: both pictures are borrowed and have at least `NARROWEST` columns, and the patch has three more columns
+        // than the template.
         let margins = unsafe { (L::POINT_MARGINS)(&rows, points, needed, wanted) };
         let candidates = margins.iter().rev().fold(0, |mask, margin| mask << 1 | u8::from(*margin >= 0));
         self.points.note(candidates != wanted);

@@ -75,8 +75,10 @@ impl Scores for Swar<'_> {
     }
 
     #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
+    /// # Safety
+    /// The patch has at least as many rows as the template, and three more columns.
     #[inline(never)]
-    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
+    unsafe fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         if !self.fours.is_worth_it() {
             return wanted;
         }
@@ -86,7 +88,7 @@ impl Scores for Swar<'_> {
         let mut candidates = wanted;
         for y in 0..rows.height {
             let (f, g) = rows.row(y);
-            // SAFETY: the template has `width` pixels there, the patch of `Scores::candidates` has three more.
+            // SAFETY: the template has `width` pixels there, and the patch three more.
             let scores = unsafe { four_row_scores(f, g, rows.width, self.plain.table) };
             for (number, (reachable, score)) in rolled(reachable.iter_mut().zip(scores).enumerate()) {
                 *reachable -= of_row - score;

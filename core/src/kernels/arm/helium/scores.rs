@@ -70,8 +70,12 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     reachable
 }
 
+/// Implements [`Loops::DISTANCE`].
+///
+/// # Safety
+/// `pair.width` pixels, at least one, can be read in each of the `pair.height` rows (at least one) of both pictures.
 #[inline(always)]
-fn distance(pair: &Rows, enough: u32) -> u32 {
+unsafe fn distance(pair: &Rows, enough: u32) -> u32 {
     let mut sum = 0;
     let [f_stride, g_stride] = strides(pair, LANES);
     // SAFETY: only the `width` pixels of a row, at least one, are read. Nothing is written.
