@@ -5,6 +5,7 @@ use crate::config::{smr_paper_config, smr_robust_config};
 use crate::frame::{smr_frame, smr_part, smr_rect};
 use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_DAMAGED, SMR_ERROR_OTHER_CONFIG, SMR_ERROR_OTHER_VERSION, smr_status, status_of};
+use core::mem::MaybeUninit;
 use core::ptr;
 use smr_core::record::{Entry, Flaw, Recorded, first};
 use smr_core::{Frame, Rect, Robust, paper, robust};
@@ -97,8 +98,9 @@ unsafe fn next_entry(record: *const u8, size: usize, at: *mut usize, entry: *mut
         Flaw::OtherVersion(_) => SMR_ERROR_OTHER_VERSION,
         _ => SMR_ERROR_DAMAGED,
     })?;
-    // SAFETY: `entry` passed `pointer::check`, so there is memory for an entry, which nobody else uses.
-    fill(unsafe { &mut *entry }, &found.entry)?;
+    // SAFETY: `entry` passed `pointer::check`, so there is memory for an entry, which nobody else uses. It may be
+    // uninitialised.
+    fill(unsafe { &mut *entry.cast() }, &found.entry)?;
     next.write(start + found.size);
     Ok(())
 }
@@ -112,37 +114,37 @@ impl smr_entry {
 
 /// Converts an entry to its struct in C. Writes nothing if it fails.
 #[inline(never)] // keeps its stack out of that of the reader
-fn fill(of: &mut smr_entry, entry: &Entry<'_>) -> Result<(), smr_status> {
+fn fill(of: &mut MaybeUninit<smr_entry>, entry: &Entry<'_>) -> Result<(), smr_status> {
     use smr_entry_kind as Kind;
     match *entry {
         Entry::Begin(begin) if begin.tracker == Robust::TRACKER => {
             let config = begin.config(&robust::Config::robust()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
-            *of = smr_entry::of(Kind::SMR_ENTRY_BEGIN);
+            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_BEGIN));
             (of.is_robust, of.robust) = (1, (&config).into());
         }
         Entry::Begin(begin) => {
             let config = begin.config(&paper::Config::paper()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
-            *of = smr_entry::of(Kind::SMR_ENTRY_BEGIN);
+            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_BEGIN));
             of.paper = (&config).into();
         }
         Entry::Lock { ref frame, window, bbox } => {
-            *of = smr_entry::of(Kind::SMR_ENTRY_LOCK);
+            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_LOCK));
             (of.frame, of.bbox) = (smr_frame::of(frame, [Some(window), None]), bbox.into());
         }
         Entry::Moved { right, down } => {
-            *of = smr_entry::of(Kind::SMR_ENTRY_MOVED);
+            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_MOVED));
             (of.right, of.down) = (right, down);
         }
         Entry::Window { ref frame, window, sweep } => {
-            *of = smr_entry::of(Kind::SMR_ENTRY_WINDOW);
+            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_WINDOW));
             of.frame = smr_frame::of(frame, [Some(window), sweep]);
         }
         Entry::Answer(answer) => {
-            *of = smr_entry::of(Kind::SMR_ENTRY_ANSWER);
+            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_ANSWER));
             of.answer = answer.into();
         }
         Entry::Restored(saved) => {
-            *of = smr_entry::of(Kind::SMR_ENTRY_RESTORED);
+            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_RESTORED));
             (of.saved, of.saved_size) = (saved.as_ptr(), saved.len());
         }
     }
