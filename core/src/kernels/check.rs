@@ -8,7 +8,7 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // of noise
 
 use super::backend::Backend;
-use super::cut_table::{CutTable, ONE};
+use super::cut_table::CutTable;
 use super::layout::{CELL, CHANNELS, Layout, Packed, SIDE};
 use super::native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, norms, replace};
 use super::plain;
@@ -19,7 +19,7 @@ use super::products::Products;
 #[cfg(feature = "refiner")]
 use super::products::{Dense, SPARE};
 use super::scorer::Scorer;
-use super::scores::{ALL_FOUR, Blocks, RowsOfRanges};
+use super::scores::{ALL_FOUR, Blocks, ONE, RowsOfRanges};
 use crate::image::{Image, Rect};
 use core::fmt::Debug;
 

@@ -4,12 +4,6 @@
 use super::arm::points::Points;
 use super::unrolling::rolled;
 
-/// The similarity of equal pixels: 1.0, which tables store as 65535.
-pub(crate) const ONE: u16 = u16::MAX;
-
-/// Maximum number of pixels whose similarities a `u32` can sum: 65537.
-pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
-
 /// Number of entries: 256, or 511 without vectors, where it costs less to index by the signed difference than to
 /// compute its absolute value.
 const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };

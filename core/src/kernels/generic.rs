@@ -42,9 +42,9 @@
 //! 9. **The last vector of ranges overlaps the one before** ([`spread`], [`ranges_of_rows`]), with the same values.
 //! 10. **No closures.** A closure is a function of its own, without the `#[target_feature]` that it needs.
 
-use super::cut_table::{CutTable, ONE};
+use super::cut_table::CutTable;
 use super::rows::Rows;
-use super::scores::{Effort, RowsOfRanges};
+use super::scores::{Effort, ONE, RowsOfRanges};
 use crate::image::Image;
 use core::marker::PhantomData;
 use core::slice;

@@ -88,7 +88,6 @@ mod x86;
 pub(crate) use arm::helium::dense::copy;
 pub use backend::Backend;
 pub use cut_table::CutTable;
-pub(crate) use cut_table::{MAX_PIXELS, ONE};
 pub use layout::{CELL, CHANNELS};
 pub(crate) use layout::{Layout, PACKED, Packed, SIDE};
 pub(crate) use native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, norms, replace};
@@ -99,7 +98,7 @@ pub(crate) use products::Products;
 #[cfg(feature = "refiner")]
 pub(crate) use products::{Dense, SPARE};
 pub use scorer::Scorer;
-pub(crate) use scores::{ALL_FOUR, Blocks, RowsOfRanges};
+pub(crate) use scores::{ALL_FOUR, Blocks, MAX_PIXELS, ONE, RowsOfRanges};
 pub(crate) use unrolling::rolled;
 
 #[cfg(test)]

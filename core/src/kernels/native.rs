@@ -2,9 +2,9 @@
 //! orientations (HOG, Dalal and Triggs), gray levels, and the weights of a filter.
 
 use super::backend::native;
-use super::cut_table::MAX_PIXELS;
 use super::layout::{CELL, CHANNELS, SIDE};
 use super::plain::levels::{LEFT_SAMPLES, MixedRow, SampleWeights};
+use super::scores::MAX_PIXELS;
 use heapless::Vec;
 
 /// Bilinear sampling positions of up to `N` output columns in a row.

@@ -1,7 +1,6 @@
 //! Row addresses of two pictures, for loops without bounds checks.
 
-use super::cut_table::ONE;
-use super::scores::Blocks;
+use super::scores::{Blocks, ONE};
 use crate::image::Image;
 
 /// Rows of a patch (or of two pictures that bound it) and a template, cropped to their common top left part.

@@ -7,11 +7,11 @@ use super::arm::helium::scores::Helium;
 #[cfg(any(smr_dsp, smr_helium))]
 use super::arm::scores::Kernels;
 use super::backend::{Backend, by_backend};
-use super::cut_table::{CutTable, MAX_PIXELS};
+use super::cut_table::CutTable;
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 use super::neon;
 use super::plain::scores::{self as plain, Plain};
-use super::scores::{Blocks, RowsOfRanges, Scores};
+use super::scores::{Blocks, MAX_PIXELS, RowsOfRanges, Scores};
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 use super::simd128;
 #[cfg(not(any(smr_dsp, smr_helium)))]

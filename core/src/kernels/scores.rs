@@ -1,7 +1,14 @@
-//! The similarity kernels of a backend, as a trait: scores, distances, and upper bounds that exclude offsets.
+//! The similarity kernels of a backend, as a trait (scores, distances, and upper bounds that exclude offsets), and the
+//! unit of similarities.
 
 use crate::image::Image;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
+
+/// The similarity of equal pixels: 1.0, which tables store as 65535.
+pub(crate) const ONE: u16 = u16::MAX;
+
+/// Maximum number of pixels whose similarities a `u32` can sum: 65537.
+pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 
 /// Bit mask of all four neighbouring offsets of [`Scores::candidates`].
 pub(crate) const ALL_FOUR: u8 = 0b1111;

@@ -4,8 +4,8 @@
 //! almost as similarities do. So a score is at most the number of points divided by a fixed rate. An offset with too
 //! few points is excluded without a table lookup.
 
-use crate::kernels::cut_table::ONE;
 use crate::kernels::rows::Rows;
+use crate::kernels::scores::ONE;
 use crate::kernels::unrolling::rolled;
 
 /// Constants that bound a score by its points (the sum of 255 - difference), for a table and its threshold.

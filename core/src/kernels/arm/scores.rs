@@ -7,10 +7,10 @@
 
 use super::points::{OFFSETS, Points};
 use crate::image::Image;
-use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::cut_table::CutTable;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, Effort, Scores};
+use crate::kernels::scores::{Blocks, Effort, ONE, Scores};
 use core::marker::PhantomData;
 
 /// Loops of an instruction set over the pixels of two pictures with at least `NARROWEST` columns and one row.

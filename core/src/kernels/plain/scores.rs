@@ -1,8 +1,8 @@
 //! Plain loops that specify scores (steps 2 to 4 of the method), and the distances and bounds by which the search
 //! excludes offsets. Every backend returns the same scores and distances.
 
-use super::super::cut_table::{CutTable, ONE};
-use super::super::scores::{Blocks, Scores};
+use super::super::cut_table::CutTable;
+use super::super::scores::{Blocks, ONE, Scores};
 #[cfg(smr_swar)]
 use super::super::unrolling::rolled;
 use super::super::unrolling::rolled_if_rare;
@@ -40,7 +40,7 @@ impl Scores for Plain<'_> {
 }
 
 /// The score (the sum of the similarities of all pairs of pixels) if it is at least `floor`; `None` as soon as the
-/// remaining pixels cannot reach it. Exact for up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) pixels.
+/// remaining pixels cannot reach it. Exact for up to [`MAX_PIXELS`](super::super::scores::MAX_PIXELS) pixels.
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     if cfg!(any(smr_dsp, smr_helium)) {
@@ -69,7 +69,7 @@ pub(crate) fn pixels(patch: Image<'_>, template: Image<'_>) -> usize {
     usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height()))
 }
 
-/// The score of `pixels` equal pixels, exact for up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) of them.
+/// The score of `pixels` equal pixels, exact for up to [`MAX_PIXELS`](super::super::scores::MAX_PIXELS) of them.
 pub(crate) fn full(pixels: usize) -> u32 {
     u32::try_from(pixels).unwrap_or(u32::MAX).saturating_mul(u32::from(ONE))
 }

@@ -14,12 +14,12 @@
 //! shifted together from two aligned words.
 
 use crate::image::Image;
-use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::cut_table::CutTable;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
 #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
 use crate::kernels::scores::Effort;
-use crate::kernels::scores::{Blocks, Scores};
+use crate::kernels::scores::{Blocks, ONE, Scores};
 use crate::kernels::unrolling::rolled;
 use core::{mem, slice};
 
