@@ -1,34 +1,8 @@
-//! The macro that defines the error enums, and [`Error`], which wraps any error of this crate.
+//! [`Error`], which wraps any error of this crate.
 
 use crate::image::readout::ReadoutError;
-use crate::image::{FrameError, ImageError};
+use crate::image::{FrameError, ImageError, WindowError};
 use crate::track::{ConfigError, LockError, RestoreError, SaveError, UpdateError};
-
-/// Defines error enums, one for each operation. Each variant has a message, which may contain its fields.
-macro_rules! errors {
-    ($($(#[$about:meta])* $name:ident $(<$($of:ident),+>)? {$(
-        $(#[$doc:meta])* $variant:ident $(($($value:ident: $type:ty),+))?
-            $({ $($(#[$field_doc:meta])* $field:ident: $field_type:ty,)+ })? => $text:literal,
-    )+})+) => {$(
-        $(#[$about])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-        #[non_exhaustive]
-        pub enum $name $(<$($of),+>)? {
-            $($(#[$doc])* $variant $(($($type),+))? $({ $($(#[$field_doc])* $field: $field_type),+ })?,)+
-        }
-
-        impl $(<$($of: core::fmt::Debug),+>)? core::fmt::Display for $name $(<$($of),+>)? {
-            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-                match self {
-                    $(Self::$variant $(($($value),+))? $({ $($field),+ })? => write!(f, $text),)+
-                }
-            }
-        }
-
-        impl $(<$($of: core::fmt::Debug),+>)? core::error::Error for $name $(<$($of),+>)? {}
-    )+};
-}
 
 macro_rules! any {
     ($($name:ident($error:ident): $of:literal,)+) => {
@@ -67,4 +41,13 @@ any! {
     Update(UpdateError): "A frame was not searched.",
     Save(SaveError): "A target was not saved.",
     Restore(RestoreError): "A saved target was refused.",
+}
+
+impl From<WindowError> for Error {
+    fn from(error: WindowError) -> Self {
+        match error {
+            WindowError::Image(error) => Self::Image(error),
+            WindowError::Frame(error) => Self::Frame(error),
+        }
+    }
 }

@@ -92,8 +92,9 @@
 extern crate std;
 
 #[macro_use]
-mod error;
+mod error_enums;
 
+mod error;
 mod image;
 mod kernels;
 #[cfg(test)]
@@ -113,7 +114,7 @@ struct Readme;
 
 pub use error::Error;
 pub use image::readout;
-pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect};
+pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect, WindowError};
 #[doc(hidden)]
 pub use track::calls;
 pub use track::paper;

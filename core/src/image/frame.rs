@@ -1,13 +1,20 @@
 //! A frame of the camera, with all of its pixels or parts of them in memory.
 
-use super::{Image, Rect};
-use crate::Error;
+use super::{Image, ImageError, Rect};
 
 errors! {
     /// The reason why an image was refused as a part of a frame.
     FrameError {
         /// The image reaches beyond the right or lower edge of the frame.
         OutsideFrame => "the image reaches beyond the right or lower edge of the frame",
+    }
+
+    /// The reason why the pixels of a window were refused.
+    WindowError {
+        /// The window is empty, or there are fewer pixels than it has.
+        Image(error: ImageError) => "{error}",
+        /// The window reaches outside the frame.
+        Frame(error: FrameError) => "{error}",
     }
 }
 
@@ -91,19 +98,19 @@ impl<'a> Frame<'a> {
     /// A `width` x `height` frame of which only the `pixels` of `window` are in memory, row by row without gaps.
     ///
     /// # Errors
-    /// [`FrameError::OutsideFrame`]; [`ImageError`](crate::ImageError) if the window is empty or `pixels` is too short.
-    pub fn of_window(pixels: &'a [u8], window: Rect, (width, height): (u16, u16)) -> Result<Self, Error> {
-        let (x, y) = place(window)?;
-        Ok(Self::part(Image::new(pixels, window.width, window.height)?, x, y, width, height)?)
+    /// [`WindowError`].
+    pub fn of_window(pixels: &'a [u8], window: Rect, (width, height): (u16, u16)) -> Result<Self, WindowError> {
+        let (image, x, y) = placed(pixels, window)?;
+        Self::part(image, x, y, width, height).map_err(WindowError::Frame)
     }
 
     /// Adds the `pixels` of a second `window`, which [`Tracker::sweep_window`](crate::Tracker::sweep_window) returned.
     ///
     /// # Errors
     /// As [`Frame::of_window`].
-    pub fn and_window(self, pixels: &'a [u8], window: Rect) -> Result<Self, Error> {
-        let (x, y) = place(window)?;
-        Ok(self.and_part(Image::new(pixels, window.width, window.height)?, x, y)?)
+    pub fn and_window(self, pixels: &'a [u8], window: Rect) -> Result<Self, WindowError> {
+        let (image, x, y) = placed(pixels, window)?;
+        self.and_part(image, x, y).map_err(WindowError::Frame)
     }
 
     /// The rectangle of the frame, at (0, 0).
@@ -127,8 +134,13 @@ impl<'a> Frame<'a> {
     }
 }
 
-fn place(window: Rect) -> Result<(u16, u16), FrameError> {
-    u16::try_from(window.x).ok().zip(u16::try_from(window.y).ok()).ok_or(FrameError::OutsideFrame)
+/// The image of a window, and the place of its top left pixel.
+fn placed(pixels: &[u8], window: Rect) -> Result<(Image<'_>, u16, u16), WindowError> {
+    let (Ok(x), Ok(y)) = (u16::try_from(window.x), u16::try_from(window.y)) else {
+        return Err(WindowError::Frame(FrameError::OutsideFrame));
+    };
+    let image = Image::new(pixels, window.width, window.height).map_err(WindowError::Image)?;
+    Ok((image, x, y))
 }
 
 impl<'a> From<Image<'a>> for Frame<'a> {

@@ -9,6 +9,6 @@ mod rect;
 mod tests;
 mod view;
 
-pub use frame::{Frame, FrameError};
+pub use frame::{Frame, FrameError, WindowError};
 pub use rect::{FineRect, Rect};
 pub use view::{Image, ImageError};
