@@ -1,7 +1,5 @@
 //! A target together with its workspace, for following a single target.
 
-use super::paper::{self, target::Paper};
-use super::robust::{self, target::Robust};
 use super::update;
 use super::update::calls::{self, Checked};
 use super::{Answer, ConfigError, LockError, Quality, RestoreError, SaveError, State, Target, UpdateError};
@@ -46,37 +44,6 @@ pub struct Tracker<T: Target> {
     workspace: T::Workspace,
 }
 
-impl Tracker<Robust> {
-    /// A tracker without a target, with [`robust::Config::robust`]. All its bytes are 0, so a `static` takes no flash:
-    ///
-    /// ```
-    /// use smr_core::{Robust, Tracker, robust::Config};
-    /// use std::sync::Mutex; // in firmware: the mutex of critical-section or Embassy
-    ///
-    /// static TRACKER: Mutex<Tracker<Robust>> = Mutex::new(Tracker::<Robust>::new());
-    /// let mut config = Config::robust();
-    /// config.reach = 6;
-    /// TRACKER.lock().unwrap().configure(config)?;
-    /// assert!(TRACKER.lock().unwrap().window().is_none());
-    /// # Ok::<(), smr_core::Error>(())
-    /// ```
-    #[must_use]
-    #[inline(always)]
-    pub const fn new() -> Self {
-        Self { target: Robust::new(), workspace: robust::Workspace::new() }
-    }
-}
-
-impl<const PIXELS: usize, const SPAN: usize> Tracker<Paper<PIXELS, SPAN>> {
-    /// A tracker without a target, with [`paper::Config::camera`] limited to windows that fit `SPAN`. All its bytes are
-    /// 0, so a `static` takes no flash: see [`Tracker<Robust>::new`](Tracker::<Robust>::new).
-    #[must_use]
-    #[inline(always)]
-    pub const fn new() -> Self {
-        Self { target: Paper::new(), workspace: paper::Workspace::new() }
-    }
-}
-
 /// Defines methods that return the result of the target's method of the same name.
 macro_rules! of_the_target {
     ($($name:ident: $type:ty),+) => {$(
@@ -88,6 +55,11 @@ macro_rules! of_the_target {
 }
 
 impl<T: Target> Tracker<T> {
+    #[inline(always)]
+    pub(super) const fn of(target: T, workspace: T::Workspace) -> Self {
+        Self { target, workspace }
+    }
+
     /// A tracker without a target, with this configuration.
     ///
     /// # Errors

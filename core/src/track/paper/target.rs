@@ -14,7 +14,7 @@ use crate::track::saved::Refusal;
 use crate::track::target::{Slot, lockable};
 use crate::track::update::{Seal, Steps, UnderWay};
 use crate::track::{
-    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
+    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, Tracker, UpdateError,
 };
 use core::fmt;
 
@@ -333,5 +333,15 @@ impl<const PIXELS: usize, const SPAN: usize> Default for Workspace<PIXELS, SPAN>
     #[inline(always)]
     fn default() -> Self {
         Self::new()
+    }
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Tracker<Paper<PIXELS, SPAN>> {
+    /// A tracker without a target, with [`Config::camera`] limited to windows that fit `SPAN`. All its bytes are
+    /// 0, so a `static` takes no flash.
+    #[must_use]
+    #[inline(always)]
+    pub const fn new() -> Self {
+        Self::of(Paper::new(), Workspace::new())
     }
 }

@@ -16,7 +16,7 @@ use crate::track::target::{Slot, lockable};
 use crate::track::update::SEAL;
 use crate::track::update::{Seal, Steps, UnderWay};
 use crate::track::{
-    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
+    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, Tracker, UpdateError,
 };
 
 /// A target of the robust tracker. It may change in size, light and view.
@@ -344,5 +344,26 @@ impl Default for Workspace {
     #[inline(always)]
     fn default() -> Self {
         Self::new()
+    }
+}
+
+impl Tracker<Robust> {
+    /// A tracker without a target, with [`Config::robust`]. All its bytes are 0, so a `static` takes no flash:
+    ///
+    /// ```
+    /// use smr_core::{Robust, Tracker, robust::Config};
+    /// use std::sync::Mutex; // in firmware: the mutex of critical-section or Embassy
+    ///
+    /// static TRACKER: Mutex<Tracker<Robust>> = Mutex::new(Tracker::<Robust>::new());
+    /// let mut config = Config::robust();
+    /// config.reach = 6;
+    /// TRACKER.lock().unwrap().configure(config)?;
+    /// assert!(TRACKER.lock().unwrap().window().is_none());
+    /// # Ok::<(), smr_core::Error>(())
+    /// ```
+    #[must_use]
+    #[inline(always)]
+    pub const fn new() -> Self {
+        Self::of(Robust::new(), Workspace::new())
     }
 }
