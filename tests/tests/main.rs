@@ -6,6 +6,7 @@ mod figures;
 mod languages;
 #[path = "../missing.rs"]
 mod missing;
+mod module_order;
 mod paper_rows;
 mod pursuit;
 mod readme;
