@@ -1,12 +1,14 @@
-//! The decision: the target's state (`confidence`), the search for a lost target (`redetection`), and the memory of a
-//! target from frame to frame (`track`, `saved`).
+//! The decision: the target's state (`confidence`), giving up (`giving_up`), the search for a lost target
+//! (`redetection`), and the memory of a target from frame to frame (`track`, `saved`).
 
 mod confidence;
+mod giving_up;
 mod redetection;
 pub(super) mod saved;
 mod track;
 
 pub(super) use confidence::{Confidence, Evidence};
+pub(super) use giving_up::Doubt;
 pub(super) use redetection::Sweep;
 pub(super) use saved::Memory;
 pub(super) use track::Track;

@@ -7,6 +7,7 @@ use super::super::filter::{Filter, scale};
 use super::super::refiner::{self, First, Review};
 use super::super::verification::{Light, Template};
 use super::confidence::Confidence;
+use super::giving_up::Doubt;
 use super::redetection::Sweep;
 use super::track::Track;
 use crate::image::Rect;
@@ -17,7 +18,9 @@ use crate::track::{Quality, RestoreError, SaveError};
 /// Bytes of a saved track.
 const TRACK: usize = 62;
 pub(crate) const SAVED_SIZE: usize =
-    around(Config::COUNT) + TRACK + 4 * MAX_CELLS * CHANNELS + 2 * MAX_PIXELS + refiner::SAVED;
+    around(Config::COUNT) + TRACK + 4 * MAX_CELLS * CHANNELS + 2 * MAX_PIXELS + REFINED;
+/// Bytes of the refiner's memory and of its doubt.
+const REFINED: usize = refiner::SAVED + Doubt::SAVED;
 
 pub(crate) struct Memory {
     /// The target's place and state; `None` before the first lock.
@@ -35,7 +38,7 @@ impl Memory {
     }
 
     pub(crate) fn saved_size(&self, config: &Config) -> Result<usize, SaveError> {
-        let refiner = if config.refines() { refiner::SAVED } else { 0 };
+        let refiner = if config.refines() { REFINED } else { 0 };
         let size =
             around(Config::COUNT) + TRACK + 4 * self.filter.weights().len() + 2 * self.template.mean().len() + refiner;
         self.track.map(|_| size).ok_or(SaveError::NotLocked)
@@ -61,6 +64,7 @@ impl Memory {
         self.template.mean().iter().for_each(|&pixel| to.u16(pixel));
         if config.refines() {
             track.review.save(&mut to);
+            track.doubt.save(&mut to);
             self.first.save(&mut to);
         }
         Ok(to.finish())
@@ -77,6 +81,7 @@ impl Memory {
         let mean = from.slice(2 * pixels).ok_or(RestoreError::Damaged)?;
         if config.refines() {
             track.review = Review::read(&mut from).ok_or(RestoreError::Damaged)?;
+            track.doubt = Doubt::read(&mut from).ok_or(RestoreError::Damaged)?;
             self.first.restore(&mut from).ok_or(RestoreError::Damaged)?; // nothing below can fail
         } else if !from.is_empty() {
             return Err(RestoreError::Damaged.into());
@@ -113,6 +118,7 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
         sweep,
         quality,
         review: Review::NONE,
+        doubt: Doubt::NONE,
         light,
     })
 }

@@ -6,6 +6,7 @@ use super::super::features::{Grid, Motion, Place};
 use super::super::refiner::Review;
 use super::super::verification::Light;
 use super::confidence::Confidence;
+use super::giving_up::Doubt;
 use super::redetection::Sweep;
 use crate::image::{FineRect, Rect};
 use crate::track::{Quality, State};
@@ -23,6 +24,7 @@ pub(crate) struct Track {
     pub(crate) sweep: Sweep,
     pub(crate) quality: Quality,
     pub(crate) review: Review,
+    pub(crate) doubt: Doubt,
     pub(crate) light: Light,
 }
 
@@ -38,6 +40,7 @@ impl Track {
             sweep: Sweep::new(),
             quality: Quality::NONE,
             review: Review::NONE,
+            doubt: Doubt::NONE,
             light: Light::NONE,
         }
     }
@@ -49,10 +52,10 @@ impl Track {
         if config.refines() && opinion.code() > state.code() { opinion } else { state }
     }
 
-    /// True if the refiner's opinion gives the target up. False without redetection, because nothing else could find
+    /// True if the target is given up. False without redetection, because nothing else could find
     /// the target again, and false if the settings exclude the state *lost*.
     pub(crate) fn is_given_up(&self, config: &Config) -> bool {
-        config.refines() && config.sweep > 0 && config.lost_below > 0 && self.review.gives_up()
+        config.refines() && config.sweep > 0 && config.lost_below > 0 && self.doubt.gives_up()
     }
 
     /// The box of the answer: the tracked box, corrected by the refiner.

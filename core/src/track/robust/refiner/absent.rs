@@ -20,15 +20,15 @@ pub(super) use Review as First;
 impl Review {
     pub(super) const NONE: Self = Self;
 
-    pub(super) fn agree(&mut self) {}
-
-    pub(super) fn begin_again(&mut self) {}
-
-    pub(super) fn gives_up(&self) -> bool {
+    pub(super) fn agree(&mut self) -> bool {
         false
     }
 
-    pub(super) fn update(&mut self, (): (), _: bool) {}
+    pub(super) fn begin_again(&mut self) {}
+
+    pub(super) fn update(&mut self, (): (), _: bool) -> bool {
+        false
+    }
 
     pub(super) fn correct(&self, target: FineRect) -> FineRect {
         target

@@ -4,7 +4,7 @@
 //! network compares the target in the first and in the present frame, and estimates the error of the box ([`network`]).
 //! The correction follows the estimates from frame to frame ([`correction`]). It changes only the answer: moving or
 //! scaling the tracker's place by them gained nothing on the recordings. The network also estimates how large its
-//! errors may be, which can make the state worse and in time give the target up ([`opinion`]).
+//! errors may be, which can make the state worse ([`opinion`]).
 //!
 //! ```text
 //! at the end of an update:  crop -> layers 1 to 4 -> two full layers -> correction, opinion
@@ -51,27 +51,26 @@ pub(super) struct Review {
 impl Review {
     pub(super) const NONE: Self = Self { correction: Correction::NONE, opinion: Opinion::BEST };
 
-    /// Updates the review in a frame in which the early template gives the exact place and size.
-    pub(super) fn agree(&mut self) {
+    /// Updates the review in a frame in which the early template gives the exact place and size. Returns true if the
+    /// opinion doubts the target even so.
+    pub(super) fn agree(&mut self) -> bool {
         self.correction.fade();
         self.opinion.agree();
+        self.opinion.doubts()
     }
 
     /// Updates the review by an estimate. The correction changes only if the tracker has `learned` from the frame.
-    pub(super) fn update(&mut self, estimate: Outputs, learned: bool) {
+    /// Returns true if the opinion doubts the target.
+    pub(super) fn update(&mut self, estimate: Outputs, learned: bool) -> bool {
         self.opinion.update(estimate);
         if learned {
             self.correction.add(estimate);
         }
+        self.opinion.doubts()
     }
 
     pub(super) fn correct(&self, target: FineRect) -> FineRect {
         self.correction.correct(target)
-    }
-
-    /// True if the opinion has been bad for so long that the tracker gives the target up.
-    pub(super) fn gives_up(&self) -> bool {
-        self.opinion.gives_up()
     }
 
     /// Starts again as *uncertain*, for a target that redetection has found.

@@ -16,7 +16,7 @@ use super::super::config::Config;
 use super::super::constants::CELL;
 #[cfg(feature = "unstable")]
 use super::super::constants::SPAN;
-use super::super::decision::{Confidence, Evidence, Memory, Track};
+use super::super::decision::{Confidence, Doubt, Evidence, Memory, Track};
 #[cfg(feature = "unstable")]
 use super::super::features::Lattice;
 use super::super::features::{Grid, Motion, Place};
@@ -153,7 +153,8 @@ impl Pipeline {
                 let estimate = refiner.next_piece(backend, frame, first, extractor.sampling(), large, budget);
                 if let Some(estimate) = estimate {
                     self.stage = Stage::Done;
-                    self.track.review.update(estimate, self.learned.is_some());
+                    let doubts = self.track.review.update(estimate, self.learned.is_some());
+                    self.track.doubt = self.track.doubt.after(doubts);
                 }
             }
         }
@@ -248,6 +249,7 @@ impl Pipeline {
             track.motion = Motion::at(candidate.place);
             track.confidence = Confidence::found(evidence, config);
             track.review.begin_again();
+            track.doubt = Doubt::NONE;
             (self.candidate, self.stage) = (candidate, Stage::Done);
         }
     }
@@ -258,7 +260,7 @@ impl Pipeline {
         let Self { track, candidate, .. } = self;
         let Buffers { extractor, large, .. } = buffers;
         if candidate.is_exact() {
-            track.review.agree();
+            track.doubt = track.doubt.after(track.review.agree());
         } else if let Some(refiner) = Refiner::begin(track.bbox(), track.bounds, extractor.sampling(), large) {
             self.stage = Stage::Refiner(refiner);
         }
