@@ -18,13 +18,21 @@
 //!
 //! `kernels` computes the sums of a cell. Cost on the Cortex-M4, with sampling: about 64 instructions for each sample.
 
-use super::super::constants::{CELL, CHANNELS, MAX_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
+use super::super::constants::{CELL, CHANNELS, MAX_SIDE, REACH};
 use super::grid::Extent;
 use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
 use crate::image::{Frame, Rect};
 use crate::kernels::{PACKED, Packed, SIDE, features, gradients, norms, rolled};
 use crate::track::update::Budget;
 use heapless::Vec;
+
+/// The floor that is added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for
+/// each pixel of a cell. Without it, noise in flat cells would be amplified to full contrast. A floor near 0 lowers the
+/// success rate R by 0.067 +- 0.021, a doubled floor by 0.038 +- 0.018.
+const NORM_FLOOR: u32 = 2 * 16 * 8;
+/// The gain in feature = gain * gradient / norm, with gradients in 1/4 and norms in 1/8 gray level. A gradient of 0.4
+/// times the norm becomes 127, so gain = 2 * 127 / 0.4, where the 2 converts the units.
+const NORM_GAIN: u32 = 635;
 
 /// Cells in the longest row of a search window.
 pub(super) const ROW: usize = (MAX_SIDE + 2 * REACH) as usize;

@@ -5,10 +5,18 @@
 //! step = sqrt(area / 1600) pixels of the frame, at least half a pixel
 //! ```
 
-use super::super::constants::{CELL, CHANNELS, COVER, MAX_CELLS, MAX_PIXELS, MAX_SIDE, MIN_SIDE, MIN_STEP, PIXEL_BITS};
+use super::super::constants::{CELL, CHANNELS, MAX_CELLS, MAX_PIXELS, MAX_SIDE, PIXEL_BITS};
 use crate::image::Rect;
 use crate::kernels::rolled;
 use crate::track::update::units;
+
+/// The minimum side of the correlation filter, in cells.
+const MIN_SIDE: u16 = 4;
+/// The filter's side in cells for each grid pixel of the target's side: 7/20. As a cell has 4x4 grid pixels, the
+/// filter's side is 1.4 times the target's.
+const COVER: [u32; 2] = [7, 20];
+/// The smallest step of the target's grid, in units of 1/4096 pixel: half a pixel, which enlarges a target twofold.
+const MIN_STEP: u32 = 2048;
 
 /// The grid to which a target is resampled: shapes of the template and of the filter, and the step at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,10 +5,15 @@
 //! exp(-(d / sigma)^2 / 2) in units of 1/16384, from the table of exp(-x / 255), x = 255 / 2 * (d / sigma)^2
 //! ```
 
-use super::super::constants::{LABEL_WIDTH, MASK_WIDTH};
 use super::super::features::Grid;
 use crate::kernels::rolled;
 use crate::similarity::PAPER;
+
+/// The squared width of the Gaussian label, as a fraction: (standard deviation / root of the target's area)^2 = 0.1^2.
+const LABEL_WIDTH: [u32; 2] = [1, 100];
+/// The standard deviation of the mask that weights the filter's cells in learning, per pixel of the template's side, in
+/// units of 1/256 cell. On each axis, 32 makes the standard deviation half of the side, as a cell is 4 pixels wide.
+const MASK_WIDTH: u32 = 32;
 
 /// exp(-256 / 255) in units of 1/65536: a step of 256 in x multiplies the Gaussian by it. The table ends at x = 255.
 const LOWER: u32 = 24_015;

@@ -30,13 +30,22 @@
 //! Cost: 410 products for each weight by default, and 578 in a step of a lock.
 
 use super::super::arithmetic::quotient;
-use super::super::constants::{CHANNELS, MAX_CODED_ERROR, MAX_ERROR, REGULARISATION, SPAN, WEIGHTS, WHOLE_STEP};
+use super::super::constants::{CHANNELS, SPAN, WEIGHTS};
 use super::super::features::{Extent, Grid};
 use super::correlation::{Coded, FeatureWindow, Filter, LARGEST, add_gradient, shift_below};
 use super::gaussian::Gaussian;
 use super::response::{self, CODED, Responses};
 use crate::kernels::{GradientStep, Packed, Products, ScaledSums, rolled};
 use crate::track::update::{Budget, largest, units};
+
+/// The regularisation lambda of the ridge regression: 0.05 * 318^2, because a feature of 1 is the integer 318.
+const REGULARISATION: i64 = 5056;
+/// The largest error of a response, in units of 1/16384: 65535, about 4.0. Larger errors are clamped to it.
+const MAX_ERROR: i32 = 65_535;
+/// The bound of a 16-bit coded error (`coded_errors`). A sum of 289 products with 8-bit features stays below 2^31.
+const MAX_CODED_ERROR: u32 = 16_383;
+/// The learning rate at the lock, in units of 1/256. At 256 each step has its full length.
+const WHOLE_STEP: u16 = 256;
 
 /// Units of work for each weight in computing the direction.
 const SLOPED: u32 = 64;

@@ -16,11 +16,16 @@
 //! Cost: one product for each weight and offset, by default 289 for each weight.
 
 use super::super::arithmetic::quotient;
-use super::super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
+use super::super::constants::{CHANNELS, SPAN, WEIGHTS};
 use super::super::features::{Extent, Grid};
 use super::correlation::{Coded, FeatureWindow};
 use crate::kernels::{Layout, Packed, Products};
 use crate::track::update::{Budget, units};
+
+/// The largest penalty of a filter response, in units of 1/256 of the response. The penalty grows with the squared
+/// distance from the centre, up to the radius of the search window. Without penalties the success rate R is lower by
+/// 0.043 +- 0.016.
+const DISTANCE_PENALTY: u32 = 77;
 
 pub(crate) struct Responses {
     pub(crate) rows: [[i32; SPAN]; SPAN],

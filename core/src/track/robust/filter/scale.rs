@@ -10,9 +10,7 @@
 //! need no scale search. Cost: three small windows of features, and 27 products for each weight.
 
 use super::super::arithmetic::quotient;
-use super::super::constants::{
-    CHANNELS, MAX_CELLS, MAX_SCALE, MAX_SIDE, MIN_SCALE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP, WEIGHTS,
-};
+use super::super::constants::{CHANNELS, MAX_CELLS, MAX_SIDE, SCALE, SCALE_REACH, WEIGHTS};
 use super::super::features::{Extent, Extractor, Grid, Lattice, Place, cells};
 use super::correlation::{Coded, FeatureWindow};
 use super::learning::Sums;
@@ -21,6 +19,15 @@ use crate::image::{Frame, Rect};
 use crate::kernels::Products;
 use crate::track::update::Budget;
 use heapless::Vec;
+
+/// The ratio of neighbouring scales, in units of 1/65536: 1.02. At 1.04, the success rate R is lower by 0.063 +- 0.023.
+const SCALE_STEP: i64 = 66_847;
+/// The factor of a response at a changed scale in the scale search, in units of 1/256: 0.984. A factor of 1 lowers the
+/// success rate R by 0.038 +- 0.016.
+const SCALE_PENALTY: i64 = 252;
+/// The minimum and the maximum scale of a target, relative to its size at the lock.
+const MIN_SCALE: u32 = SCALE / 5;
+const MAX_SCALE: u32 = 5 * SCALE;
 
 /// Size of the largest window of features, in bytes: that of the longest filter, whose margin has the most cells.
 const CELLS: usize =

@@ -2,11 +2,12 @@
 //! file. A unit of work is about one instruction of a Cortex-M4: a product of weight and feature, or a pixel read.
 
 use super::super::config::Config;
-use super::super::constants::{FIRST_STEPS, MAX_CELLS, MAX_SIDE};
+use super::super::constants::{MAX_CELLS, MAX_SIDE};
 use super::super::features::{Extent, cells};
 use super::super::filter::{CODED, learning, response, scale};
 use super::super::refiner;
 use super::super::verification::{COPIED, REFINED, agreement, lighting};
+use super::lock::FIRST_STEPS;
 use crate::track::MostWork;
 use crate::track::update::largest;
 

@@ -1,12 +1,15 @@
 //! The search windows of an update, and the pixels of the frame that it may read for them.
 
 use super::super::config::Config;
-use super::super::constants::{CELL, MARGIN, MARGIN_CELLS, SCALE_REACH};
+use super::super::constants::{CELL, MARGIN, SCALE_REACH};
 use super::super::decision::{Sweep, Track};
 use super::super::features::{Grid, Lattice, Place};
 use super::super::filter::other_scales;
 use super::super::refiner::reachable;
 use crate::image::Rect;
+
+/// `MARGIN` in whole cells, rounded up.
+const MARGIN_CELLS: u16 = MARGIN.div_ceil(CELL);
 
 /// The middle of the first search window: the target's expected place in the next frame.
 pub(crate) fn expected(track: &Track) -> Place {

@@ -13,15 +13,25 @@
 //! view, 32 instructions for each sample on the Cortex-M4.
 
 use super::super::config::Config;
-use super::super::constants::{AGREEMENT_RANK, ALIGNMENTS, CELL, MARGIN, MAX_PIXELS, MAX_SIDE, REFINED_FROM, TILES};
+use super::super::constants::{CELL, MARGIN, MAX_PIXELS, MAX_SIDE};
 use super::super::features::{Extent, Grid, Lattice, Place, SAMPLED, Sampling, most_read};
-use super::alignment::{Alignment, Alignments, in_view};
+use super::alignment::{ALIGNMENTS, Alignment, Alignments, in_view};
 use super::lighting::{self, Light};
 use super::template::Template;
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{Contrast, CutTable, Scorer};
 use crate::track::update::Budget;
 use heapless::Vec;
+
+/// The least agreement with which the early template refines place and size, in units of 1/65535. Without refinement
+/// the success rate R is lower by 0.025 +- 0.013.
+pub(super) const REFINED_FROM: u16 = 55_000;
+/// Tiles of the early template on each axis. Each of the 4 x 4 tiles is compared with the frame.
+const TILES: u16 = 4;
+/// The rank of the tile whose similarity ratio is the agreement; rank 1 is the tile with the lowest ratio. With rank 4,
+/// three tiles may be hidden. Rank 1 lowers the success rate R by 0.139 +- 0.024. Rank 8 lowers it by 0.048 +- 0.022,
+/// and raises the share of wrong frames that are *tracking* from 23 % to 66 %.
+const AGREEMENT_RANK: usize = 4;
 
 /// The number of pixels of the largest view: a template with `MARGIN` more pixels on each side. Among the templates of
 /// `MAX_PIXELS` pixels, the longest and narrowest needs the most pixels around it.

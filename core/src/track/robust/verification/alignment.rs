@@ -4,7 +4,12 @@
 //! answers drifts. The early template hardly learns. SMR compares it at 17 alignments: nine that are two pixels apart,
 //! then the eight neighbours of the best. Cost: 17 scores of at most 1600 pixels.
 
-use super::super::constants::{COARSE_STEP, MARGIN};
+use super::super::constants::MARGIN;
+
+/// The spacing of the nine coarse offsets of the template, in pixels of the grid. The eight fine offsets are 1 apart.
+const COARSE_STEP: i16 = 2;
+/// The count of offsets at which the early template is compared with the frame.
+pub(super) const ALIGNMENTS: u16 = 17;
 
 /// The template's offset right and down from the view's middle, in pixels of the grid: at most [`MARGIN`] on each axis.
 pub(crate) type Alignment = (i16, i16);
@@ -55,7 +60,6 @@ pub(super) fn in_view((right, down): Alignment) -> [u16; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::constants::ALIGNMENTS;
     use super::*;
     use std::vec::Vec;
 

@@ -20,11 +20,25 @@
 //!
 //! Cost: 12 units of work for each cell of the window. Verification counts the work on the template's pixels.
 
-use super::super::constants::{CHANNELS, LIGHT_RATE, MAX_ALPHA, MAX_EXPECTED, MIN_ALPHA, MIN_WINDOW, ONE_GAIN};
+use super::super::constants::{CHANNELS, ONE_GAIN};
 use super::super::features::Extent;
 use crate::image::Image;
 use crate::kernels::rolled;
 use crate::similarity::{Contrast, LARGEST_CONTRAST_RATIO};
+
+/// The minimum and the maximum of the threshold alpha, in gray levels. Two pixels match if they differ by less than
+/// alpha, so a minimum of 2 tolerates a rounding error of 1. With a minimum of 8, a target with little contrast would
+/// match any plain patch.
+const MIN_ALPHA: u32 = 2;
+const MAX_ALPHA: u32 = 100;
+/// The largest expected gain of contrast from the template to the patch: a factor of 16, in units of 1/256.
+const MAX_EXPECTED: u32 = 16 * ONE_GAIN;
+/// The minimum contrast of a search window: 1/4 gray level, in units of 1/16. Lower contrasts are raised to it.
+const MIN_WINDOW: u32 = 4;
+/// The learning rate of the target's `Light`, as a right shift: each learned frame moves the target's `Light` by 2^-3
+/// of the difference to the frame's `Light`. With 2^0 (the whole difference), the share of wrong frames that are
+/// *tracking* would be higher by 0.05, measured on half of the recordings.
+const LIGHT_RATE: u32 = 3;
 
 /// Units of work for measuring the contrast of a window, for each of the window's cells.
 const MEASURED: u32 = 12;

@@ -17,11 +17,19 @@
 //! The step is taken only if the early template agrees well. Cost: 40 instructions of a Cortex-M4 for each pixel.
 
 use super::super::arithmetic::quotient;
-use super::super::constants::{DAMPING, MAX_GROWTH, MAX_MOVE, REFINED_FROM};
 use super::super::features::row_of;
+use super::agreement::REFINED_FROM;
 use super::alignment::Alignment;
 use crate::image::Image;
 use crate::kernels::rolled;
+
+/// The largest move by the Gauss-Newton step of refinement on each axis, in units of 1/64 pixel of the grid: one pixel.
+const MAX_MOVE: i64 = 64;
+/// The largest growth or shrinkage of the target by the Gauss-Newton step of refinement, in units of 1/65536: 2 %.
+const MAX_GROWTH: i32 = 1310;
+/// The exponent of the damping (Levenberg) of refinement: each diagonal element of the normal equations grows by 2^-6
+/// of itself. Without damping, a target with a single edge could slide along that edge.
+const DAMPING: u32 = 6;
 
 /// Units of work for each pixel of the template in refinement.
 pub(crate) const REFINED: u32 = 40;
