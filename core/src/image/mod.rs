@@ -3,6 +3,7 @@
 //! Constructors check all sizes, so later reads cannot fail.
 
 mod frame;
+mod pixel_formats;
 pub mod readout;
 mod rect;
 #[cfg(test)]
