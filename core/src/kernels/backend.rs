@@ -1,16 +1,13 @@
-//! Instruction sets of the kernels ([`Backend`]), and detection of those that this machine supports.
+//! Instruction sets of the kernels ([`Backend`]), and the selection of a kernel by them.
 
 /// Evaluates `$call` with `$set` as the module of the backend's instruction set. The modules are listed only here; each
-/// has `is_available`, `products` and `dense`. For `Scalar`, or a backend that is not compiled in, `$set` is `plain`.
+/// has `products` and `dense`. For `Scalar`, or a backend that is not compiled in, `$set` is `plain`.
 macro_rules! by_backend {
     ($backend:expr, $set:ident => $call:expr) => {
-        by_backend!($backend, $set => $call, else {
+        by_backend!(@ $backend, Backend, $set => $call; _ => {
             use $crate::kernels::plain as $set;
             $call
         })
-    };
-    ($backend:expr, $set:ident => $call:expr, else $other:expr) => {
-        by_backend!(@ $backend, Backend, $set => $call; _ => $other)
     };
     // Matches an enum with a variant for each compiled backend, and binds `$kernels` to the content of the variant.
     ($ready:expr, $type:ident($kernels:ident) => $call:expr) => {
@@ -106,35 +103,4 @@ pub enum Backend {
     /// for score bounds. The fastest backend on 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC); there the
     /// `CutTable` in each workspace is 510 bytes larger than elsewhere. Loads words only from addresses divisible by 4.
     Swar,
-}
-
-impl Backend {
-    const ALL: [Self; 8] =
-        [Self::Avx2, Self::Ssse3, Self::Neon, Self::Simd128, Self::Helium, Self::Dsp, Self::Swar, Self::Scalar];
-
-    /// The backends that this machine supports, the fastest first. [`Backend::Scalar`] is always the last.
-    ///
-    /// With the feature `std`, instruction sets are detected at run time. Without it, only those that the program is
-    /// compiled for are available.
-    pub fn available() -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(|backend| backend.is_available())
-    }
-
-    /// The fastest backend that this machine supports.
-    #[must_use]
-    #[cfg_attr(smr_small, inline)] // a constant
-    pub fn best() -> Self {
-        Self::available().next().unwrap_or(Self::Scalar)
-    }
-
-    /// True if this machine supports the backend.
-    #[must_use]
-    pub fn is_available(self) -> bool {
-        by_backend!(self, set => set::is_available(), else self == Self::Scalar)
-    }
-
-    /// This backend if the machine supports it, else [`Backend::Scalar`].
-    pub(crate) fn or_scalar(self) -> Self {
-        by_backend!(self, set => if set::is_available() { self } else { Self::Scalar }, else Self::Scalar)
-    }
 }

@@ -28,8 +28,8 @@
 //! "(compiler)" stands for the plain loop, which the compiler vectorizes where it can.
 //!
 //! The macro `by_backend!` (`backend.rs`) selects the kernels of scores, products and layers for a [`Backend`]. It has
-//! the only list of instruction sets. Each is a module that detects processor support and re-exports the plain loops
-//! that it does not accelerate. The other kernels are selected at compile time: `native.rs`.
+//! the only list of their modules, of which each re-exports the plain loops that it does not accelerate. `detect.rs`
+//! detects which the processor supports. The other kernels are selected at compile time: `native.rs`.
 //!
 //! `generic.rs` has the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait; the file of
 //! an instruction set defines its vector and its table lookup. The loops in `arm/` are assembly. `scores.rs` defines
@@ -58,6 +58,7 @@ mod backend;
 #[cfg(any(test, feature = "unstable"))]
 pub mod check;
 mod cut_table;
+mod detect;
 #[cfg(any(
     target_arch = "x86_64",
     all(target_arch = "aarch64", target_feature = "neon"),

@@ -12,10 +12,6 @@ use core::arch::aarch64::*;
 pub(crate) use crate::kernels::plain::dense;
 pub(crate) use crate::kernels::plain::products;
 
-pub(crate) const fn is_available() -> bool {
-    true
-}
-
 impl Vector for uint8x16_t {
     const LANES: usize = 16;
     type Total = uint32x4_t;

@@ -63,9 +63,9 @@ impl<'a> Scorer<'a> {
         let ready = unsafe {
             match backend {
                 #[cfg(target_arch = "x86_64")]
-                Backend::Ssse3 if ssse3::is_available() => Ready::Ssse3(ssse3::Lookup::shuffled(table)),
+                Backend::Ssse3 if backend.is_available() => Ready::Ssse3(ssse3::Lookup::shuffled(table)),
                 #[cfg(target_arch = "x86_64")]
-                Backend::Avx2 if avx2::is_available() => Ready::Avx2(avx2::Lookup::shuffled(table)),
+                Backend::Avx2 if backend.is_available() => Ready::Avx2(avx2::Lookup::shuffled(table)),
                 #[cfg(smr_dsp)]
                 Backend::Dsp => Ready::Dsp(Kernels::new(table)),
                 #[cfg(smr_helium)]

@@ -12,10 +12,6 @@ use core::arch::wasm32::*;
 #[cfg(feature = "refiner")]
 pub(crate) use crate::kernels::plain::dense;
 
-pub(crate) const fn is_available() -> bool {
-    true
-}
-
 impl Vector for v128 {
     const LANES: usize = 16;
     type Total = Self;

@@ -17,7 +17,3 @@ pub(crate) use crate::kernels::plain::gradients;
 pub(crate) use crate::kernels::plain::products;
 #[cfg(smr_swar)]
 pub(crate) use crate::kernels::plain::weights;
-
-pub(crate) const fn is_available() -> bool {
-    true
-}

@@ -5,14 +5,6 @@ use crate::kernels::generic::{self, Neighbours, Vector, intrinsics, scores};
 use core::arch::x86_64::*;
 use core::slice;
 
-/// Detects AVX2 at run time; without `std` and outside of tests, at compile time.
-pub(crate) fn is_available() -> bool {
-    #[cfg(any(test, feature = "std"))]
-    return std::is_x86_feature_detected!("avx2");
-    #[cfg(not(any(test, feature = "std")))]
-    return cfg!(target_feature = "avx2");
-}
-
 pub(crate) type Lookup = scores::Lookup<__m256i>;
 type Planes<const SEGMENTS: usize> = scores::Planes<__m256i, SEGMENTS>;
 

@@ -9,14 +9,6 @@ use core::slice;
 pub(crate) use crate::kernels::plain::dense;
 pub(crate) use crate::kernels::plain::products;
 
-/// Detects SSSE3 at run time; without `std` and outside of tests, at compile time.
-pub(crate) fn is_available() -> bool {
-    #[cfg(any(test, feature = "std"))]
-    return std::is_x86_feature_detected!("ssse3");
-    #[cfg(not(any(test, feature = "std")))]
-    return cfg!(target_feature = "ssse3");
-}
-
 pub(crate) type Lookup = scores::Lookup<__m128i>;
 type Planes<const SEGMENTS: usize> = scores::Planes<__m128i, SEGMENTS>;
 

@@ -9,7 +9,3 @@ pub(crate) mod products;
 pub(crate) mod scores;
 pub(crate) mod weights;
 mod words;
-
-pub(crate) const fn is_available() -> bool {
-    true
-}

@@ -11,10 +11,6 @@ pub(crate) mod weights;
 
 use crate::kernels::rows::Rows;
 
-pub(crate) const fn is_available() -> bool {
-    true
-}
-
 const LANES: usize = 16;
 
 /// Byte offsets of a channel in eight neighbouring cells.
