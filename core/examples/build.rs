@@ -7,18 +7,6 @@ fn main() {
     if is("CARGO_CFG_TARGET_ARCH", "arm") && is("CARGO_CFG_TARGET_OS", "none") {
         // link.x of cortex-m-rt includes memory.x, which lies in the workspace's folder, where the linker runs.
         println!("cargo::rustc-link-arg-bins=-Tlink.x");
-        // Programs that log with defmt; `kernels` prints plain text instead.
-        for program in ["cycles", "footprint", "minimal", "record", "replay"] {
-            println!("cargo::rustc-link-arg-bin={program}=-Tdefmt.x");
-        }
-    }
-    if is("CARGO_CFG_TARGET_ARCH", "riscv32") && is("CARGO_CFG_TARGET_OS", "none") {
-        // The programs that run on RISC-V. `footprint` is linked for RISC-V without start-up code, and never run.
-        let memory = concat!(env!("CARGO_MANIFEST_DIR"), "/replay/riscv.x");
-        println!("cargo::rerun-if-changed=replay/riscv.x");
-        for program in ["kernels", "replay"] {
-            println!("cargo::rustc-link-arg-bin={program}=-T{memory}");
-            println!("cargo::rustc-link-arg-bin={program}=-Tlink.x");
-        }
+        println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
     }
 }

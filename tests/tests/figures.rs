@@ -122,7 +122,7 @@ fn documents() -> Vec<Document> {
             ],
         },
         Document {
-            name: "core/examples/README.md",
+            name: "tests/chip/README.md",
             sentences: vec![
                 ("| Cortex-M4 (`mps2-an386`) | {} B | 4220, 5488, 9252 B | {} B | {} M |", board("mps2-an386")),
                 ("| Cortex-M7 (`mps2-an500`) | {} B | 4220, 5488, 9252 B | {} B | {} M |", board("mps2-an500")),

@@ -14,11 +14,10 @@
 
 #[cfg(target_os = "none")]
 #[allow(dead_code)] // this firmware only writes
-#[path = "../replay/host_file.rs"]
 mod host_file;
 #[cfg(target_os = "none")]
 #[allow(dead_code)] // this firmware does not measure the stack
-#[path = "../replay/measure.rs"]
+#[path = "../../../tests/chip/replay/measure.rs"]
 mod measure;
 
 #[cfg(target_os = "none")]

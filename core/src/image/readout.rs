@@ -48,7 +48,7 @@
 //!
 //! # Cost
 //!
-//! Instructions per gray pixel on a Cortex-M4, with all calls for a row of 64 pixels (`examples/kernels` in QEMU):
+//! Instructions per gray pixel on a Cortex-M4, with all calls for a row of 64 pixels (`tests/chip/kernels` in QEMU):
 //!
 //! | gray 8 | YUYV, UYVY | RGB565, low byte first | high byte first | Bayer (two lines) | packed 10 bits |
 //! |---|---|---|---|---|---|

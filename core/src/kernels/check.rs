@@ -2,7 +2,7 @@
 //! extreme values, and for slices that are too short. A difference panics.
 //!
 //! Unit tests do this for each backend of the host, with data that ends at a page that may not be read;
-//! `examples/kernels` does it on emulated chips, at the edges of their memory.
+//! `tests/chip/kernels` does it on emulated chips, at the edges of their memory.
 
 #![allow(clippy::indexing_slicing, clippy::unwrap_used)] // a panic is a result
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // of noise

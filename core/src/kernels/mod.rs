@@ -10,9 +10,9 @@
 //! | `x86/ssse3.rs` | SSSE3 (Intel since 2006, AMD since 2011) | the same, without AVX2 | where the machine has it |
 //! | `neon.rs` | NEON | compiled for | emulated by QEMU (`.ci/run neon`), or natively |
 //! | `simd128.rs` | SIMD128, the vectors of WebAssembly | compiled for | in Node (`.ci/web`) |
-//! | `arm/dsp/` | DSP extension of Armv7E-M and Armv8-M | compiled for, without Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
-//! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `examples/kernels` on the emulated Cortex-M55 |
-//! | `swar/` | any but DSP and Helium: words of four pixels in ordinary registers | no faster one exists (Armv6-M, RV32, plain WebAssembly, older x86-64) | always; `examples/kernels` on the emulated Cortex-M0+ and RV32 |
+//! | `arm/dsp/` | DSP extension of Armv7E-M and Armv8-M | compiled for, without Helium | `tests/chip/kernels` on the emulated Cortex-M4 and M7 |
+//! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `tests/chip/kernels` on the emulated Cortex-M55 |
+//! | `swar/` | any but DSP and Helium: words of four pixels in ordinary registers | no faster one exists (Armv6-M, RV32, plain WebAssembly, older x86-64) | always; `tests/chip/kernels` on the emulated Cortex-M0+ and RV32 |
 //!
 //! Each kernel has a plain version, a version for some instruction sets, and a file that selects one:
 //!
@@ -38,7 +38,7 @@
 //! `swar/` computes on words in ordinary registers. Armv6-M and RV32IMAC load words from aligned addresses only, and
 //! assembling a word from bytes costs more than it saves. So only ranges and bounds use words, of 7 bits of each pixel.
 //! All other kernels process single numbers but share loads: four offsets are scored at once, and up to nine sums share
-//! a factor. `examples/README.md` compares instruction counts with the plain loops.
+//! a factor. `tests/chip/README.md` compares instruction counts with the plain loops.
 //!
 //! Inlining: a function with an intrinsic is always inlined into a function with `#[target_feature]`, because only
 //! there it compiles to an instruction. So is a function that would pass numbers through memory, because reading them

@@ -1,5 +1,5 @@
 //! Firmware in QEMU. `smr-qemu ELF` prints the firmware's log. `smr-qemu ELF SEQ` gives the firmware
-//! `core/examples/replay` a recording and compares every answer with the host's. QEMU runs one instruction in each
+//! `tests/chip/replay` a recording and compares every answer with the host's. QEMU runs one instruction in each
 //! emulated nanosecond, so the firmware's timer counts instructions.
 
 mod replay;
@@ -39,7 +39,7 @@ struct Qemu {
     /// The firmware's ELF file
     #[arg(value_name = "ELF")]
     elf: PathBuf,
-    /// Recordings for the firmware core/examples/replay, folders of recordings, or flight records (.smr)
+    /// Recordings for the firmware tests/chip/replay, folders of recordings, or flight records (.smr)
     #[arg(value_name = "SEQ")]
     paths: Vec<PathBuf>,
     /// The tracker; paper has the preset camera and a search radius of 16

@@ -1,4 +1,4 @@
-//! Writes the record for the firmware `core/examples/replay`, and parses the firmware's output.
+//! Writes the record for the firmware `tests/chip/replay`, and parses the firmware's output.
 
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use host_sim::replay::values;
@@ -95,7 +95,7 @@ impl ReplayedRecord {
             refusal(&hello, record)?;
         }
         let [1, VERSION, buffer, target, workspace, in_loop, ticks, ..] = hello else {
-            bail!("the firmware does not say hello by version {VERSION} of the protocol: is it core/examples/replay?")
+            bail!("the firmware does not say hello by version {VERSION} of the protocol: is it tests/chip/replay?")
         };
         ensure!(ticks > 0, "the firmware's timer stands still: QEMU does not emulate it, or not with -icount");
         let rounded = |ticks_of: u32| u64::from(ticks_of) * u64::from(in_loop) + u64::from(ticks) / 2;
@@ -172,7 +172,7 @@ fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, Str
     differ.next().map(|values| (frame, values)).context("the firmware gives the recorded answer as another one")
 }
 
-/// Returns the text of an error code of `core/examples/replay`.
+/// Returns the text of an error code of `tests/chip/replay`.
 fn reason(why: u32) -> &'static str {
     match why {
         1 => "it finds no entry of a record where it expects one",

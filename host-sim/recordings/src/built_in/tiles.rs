@@ -1,4 +1,4 @@
-//! The built-in recording `tiles`, which firmware also draws to measure its cycles: see `core/examples/cycles`.
+//! The built-in recording `tiles`, which firmware also draws to measure its cycles: see `tests/chip/cycles`.
 
 use crate::{BoundingBox, GrayFrame, Sequence};
 use smr_scene::tiles::{FRAMES, HEIGHT, SIDE, WIDTH, is_hidden, level, place};

@@ -8,7 +8,7 @@
 #[path = "../../../../../host-sim/scene/src/tiles.rs"]
 #[allow(dead_code)] // the host needs more of it
 mod scene;
-#[path = "../../../cycles/table.rs"]
+#[path = "../../../../../tests/chip/cycles/table.rs"]
 mod table;
 
 use cortex_m::Peripherals;
@@ -66,7 +66,7 @@ fn start(core: &mut Peripherals) -> (&'static str, u32) {
     ("STM32H743", 400_000_000)
 }
 
-/// Measures with the core's cycle counter (DWT), and prints in the format of `core/examples/cycles/README.md`.
+/// Measures with the core's cycle counter (DWT), and prints in the format of `tests/chip/cycles/README.md`.
 fn print(mut core: Peripherals, chip: &str, hertz: u32) {
     core.DCB.enable_trace();
     DWT::unlock();

@@ -2,7 +2,7 @@
 //! access beyond the image faults. Finally checks that such an access does fault.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin kernels --features refiner
+//! cargo run --target thumbv7em-none-eabihf -p smr-chip --bin kernels --features refiner
 //! ```
 //!
 //! Runs only in QEMU, because it depends on the memory maps of the emulated boards.

@@ -28,6 +28,7 @@ mod alignment;
 #[cfg(target_os = "none")]
 mod firmware;
 #[cfg(target_os = "none")]
+#[path = "../../../core/examples/record/host_file.rs"]
 mod host_file;
 #[cfg(all(target_os = "none", target_arch = "arm"))]
 mod measure;
@@ -37,5 +38,5 @@ mod measure;
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin replay -- synthetic");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-chip --bin replay -- synthetic");
 }

@@ -1,7 +1,7 @@
 //! Prints the table of cycles (README.md) in QEMU, which counts instructions in place of cycles.
 //!
 //! ```text
-//! cargo run --target thumbv7em-none-eabihf -p smr-examples --features refiner --bin cycles
+//! cargo run --target thumbv7em-none-eabihf -p smr-chip --features refiner --bin cycles
 //! ```
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
