@@ -15,8 +15,8 @@ const REPEATED: &[(&str, &str)] = &[
     ("core/c/packages/esp-idf/idf_component.yml", "version: \""),
 ];
 
-const CRATES: &str = "core core/c core/python host-sim host-sim/scene host-sim/recordings host-sim/reference \
-                      host-sim/evaluation host-sim/pages";
+const CRATES: &str = "core core/c core/python host-sim host-sim/files host-sim/scene host-sim/recordings \
+                      host-sim/reference host-sim/evaluation host-sim/pages";
 
 fn read(file: &str) -> String {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);

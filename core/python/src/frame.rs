@@ -4,7 +4,7 @@ use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUn
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use smr_core::{Frame, Image, Rect};
-use smr_recordings::messages;
+use smr_files::messages;
 
 /// A borrow of a numpy array while its pixels are read.
 pub struct Borrowed<'py>(PyReadonlyArrayDyn<'py, u8>);

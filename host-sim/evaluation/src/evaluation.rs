@@ -10,7 +10,8 @@ use super::{
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use rayon::prelude::*;
 use serde_json::Value;
-use smr_recordings::{Frame, Sequence, cleanup, misfit};
+use smr_files::cleanup;
+use smr_recordings::{Frame, Sequence, misfit};
 use std::path::{Path, PathBuf};
 
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -5,10 +5,11 @@ use super::{Follower, Run, Tables, Variant};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use rayon::prelude::*;
 use smr_core::Rect;
+use smr_files::cleanup;
 use smr_recordings::away::Away;
 use smr_recordings::cover::Cover;
 use smr_recordings::fault::Fault;
-use smr_recordings::{BoundingBox, GrayFrame, Sequence, cleanup, misfit};
+use smr_recordings::{BoundingBox, GrayFrame, Sequence, misfit};
 use std::borrow::Cow;
 use std::sync::Arc;
 

@@ -4,7 +4,7 @@
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
-use smr_recordings::messages::choice_name;
+use smr_files::messages::choice_name;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Layout {

@@ -1,11 +1,10 @@
 //! Opens recordings by one call, [`open`]: folders of pictures, Y4M, video, raw dumps, cameras and built-in scenes.
 //!
 //! A [`Sequence`] streams frames with the boxes known about them. [`fault`] and [`cover`] change frames on their way to
-//! a tracker. [`output`] writes files whole or not at all, and [`cleanup`] removes them on a signal.
+//! a tracker.
 
 pub mod annotations;
 mod built_in;
-pub mod cleanup;
 mod damage;
 mod disturb;
 mod ffmpeg;
@@ -13,15 +12,11 @@ mod folders;
 mod formats;
 mod frame_number;
 mod frame_range;
-pub mod input;
-pub mod messages;
 #[cfg(test)]
 #[path = "../../../tests/missing.rs"]
 mod missing;
-pub mod output;
 mod resize;
 mod source;
-mod wait;
 
 pub use annotations::boxes::{self, BoundingBox};
 pub use annotations::start::{Start, Target, check_gone, checked_name};
@@ -37,11 +32,11 @@ pub use frame_number::FrameNumber;
 pub use frame_range::{FrameRange, misfit};
 pub use resize::{Resize, Scalable, resized};
 pub use source::{Seekable, Source, is_seekable};
-pub use wait::Wanted;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use built_in::{border, noise, periodic, tiles};
 use formats::{images, names, raw, y4m};
+use smr_files::messages;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufReader, stdin};

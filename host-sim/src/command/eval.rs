@@ -9,9 +9,10 @@ use anyhow::{Context, Error, Result, bail, ensure};
 use clap::CommandFactory;
 use smr_evaluation::robustness::{self, Former, Starts};
 use smr_evaluation::{Layout, Measured, MethodKind, Progress, TableName, Tables, Variant, covers, faults, published};
+use smr_files::cleanup;
+use smr_files::output::complain;
 use smr_recordings::fault::{Fault, Faults};
-use smr_recordings::output::complain;
-use smr_recordings::{Sequence, cleanup, slow};
+use smr_recordings::{Sequence, slow};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -5,8 +5,9 @@ use super::usage;
 use anyhow::{Context, Result, anyhow};
 use clap::Parser;
 use smr_evaluation::Refused;
-use smr_recordings::output::{ReaderGone, complain};
-use smr_recordings::{Damaged, cleanup, messages};
+use smr_files::output::{ReaderGone, complain};
+use smr_files::{cleanup, messages};
+use smr_recordings::Damaged;
 use std::ffi::OsString;
 use std::process::ExitCode;
 

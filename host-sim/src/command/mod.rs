@@ -22,7 +22,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 pub use exit_code::{Outcome, program};
 use exit_code::{is_closed_pipe, obey, told};
 use serde::Serialize;
-use smr_recordings::output::print;
+use smr_files::output::print;
 use smr_recordings::{BUILT_IN, is_live, street};
 use std::ffi::OsString;
 use std::io::{self, Write};

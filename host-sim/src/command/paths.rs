@@ -1,7 +1,7 @@
 //! Checks of a command's paths: outputs differ, have allowed extensions, and neither are nor belong to an input.
 
 use anyhow::{Result, bail, ensure};
-use smr_recordings::output;
+use smr_files::output;
 use std::path::{Path, PathBuf};
 use std::{fmt, fs};
 

@@ -1,7 +1,7 @@
 //! Progress line of a command, on standard error if it is a terminal.
 
-use smr_recordings::messages;
-use smr_recordings::output::{ERASE, has_cursor};
+use smr_files::messages;
+use smr_files::output::{ERASE, has_cursor};
 use std::io::{Write, stderr};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};

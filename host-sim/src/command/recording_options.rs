@@ -4,7 +4,7 @@ use super::tracker_options::Pair;
 use super::whole;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use smr_recordings::output::complain;
+use smr_files::output::complain;
 use smr_recordings::{
     self, FFMPEG_PATIENCE, FrameNumber, FrameRange, Levels, OpenOptions, Resize, Sequence, Start, Target, is_live,
     recordings,

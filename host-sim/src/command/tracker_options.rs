@@ -9,7 +9,7 @@ use smr_core::paper::Config;
 use smr_core::similarity::{Backend, Table};
 use smr_core::{ConfigError, Setting, Settings, Shape, robust};
 use smr_evaluation::{Configs, MethodKind, Variant};
-use smr_recordings::messages::choice_name;
+use smr_files::messages::choice_name;
 use smr_reference::{Numbers, robust as robust_reference};
 use std::fmt;
 use std::num::NonZeroU32;

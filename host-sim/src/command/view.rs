@@ -8,14 +8,14 @@ use clap::{CommandFactory, Parser, ValueEnum};
 use serde_json::{Map, Value};
 use smr_core::{Rect, Robust, Settings, Shape, robust};
 use smr_evaluation::{MethodKind, Variant, lock};
+use smr_files::messages::choice_name;
+use smr_files::output::complain;
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::window::{
     Camera, Followed, Growing, Job, Lock, Made, Requests, Server, Session, Source, Target, Window, Work, check_inside,
 };
 use smr_recordings::annotations;
-use smr_recordings::messages::choice_name;
-use smr_recordings::output::complain;
 use smr_recordings::{BUILT_IN, FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
 use std::ffi::OsString;
 use std::io::Write;

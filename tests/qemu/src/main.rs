@@ -12,8 +12,8 @@ use object::elf::{SHF_ALLOC, SHF_WRITE};
 use object::{File, Object, ObjectSection, SectionFlags, SectionKind};
 use replay::ReplayedRecord;
 use smr_evaluation::CoreKind;
-use smr_recordings::cleanup::Process;
-use smr_recordings::input;
+use smr_files::cleanup::Process;
+use smr_files::input;
 use std::io::{ErrorKind, Read, Write};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -102,7 +102,7 @@ impl Qemu {
                 let sequence = self.recording.open(path)?;
                 (sequence.name.clone(), replay::record(sequence, self.method, self.refiner)?)
             };
-            let folder = smr_recordings::output::Exchange::create()?;
+            let folder = smr_files::output::Exchange::create()?;
             replay::write(&record, self.step, folder.path())?;
             // The firmware's first measurement calibrates its timer; `traced` skips this measurement.
             let (_, estimated) = match self.cycles {

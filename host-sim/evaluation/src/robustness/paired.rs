@@ -8,7 +8,7 @@ use anyhow::{Context, Result, anyhow, ensure};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
-use smr_recordings::input;
+use smr_files::input;
 use std::path::Path;
 
 /// An earlier measurement, with which a new one is compared.

@@ -10,9 +10,9 @@
 //!
 //! Numbers have decimal points; a line has one separator: comma, tab or space. Results of trackers are in TLD form.
 
-use crate::input;
 use anyhow::{Context, Result, anyhow, ensure};
 use smr_core::{FineRect, Rect};
+use smr_files::input;
 use std::path::Path;
 use std::str::FromStr;
 use std::{fmt, fs};

@@ -9,9 +9,9 @@ mod cvat;
 pub(crate) mod start;
 mod xml;
 
-use crate::input::{self, Kind};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use boxes::BoundingBox;
+use smr_files::input::{self, Kind};
 use start::Target;
 use std::path::Path;
 

@@ -2,9 +2,9 @@
 
 use crate::GrayFrame;
 use crate::disturb::away::Away;
-use crate::messages::choice_name;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
+use smr_files::messages::choice_name;
 use smr_scene::random::Random;
 use std::fmt;
 use std::str::FromStr;

@@ -2,10 +2,10 @@
 
 use super::process::{self, Ffmpeg};
 use crate::Frame;
-use crate::cleanup::{self, locked};
 use crate::formats::y4m::{self, Planes};
-use crate::wait;
 use anyhow::{Context, Result, bail};
+use smr_files::cleanup::{self, locked};
+use smr_files::wait;
 use std::io::{BufRead, BufReader, stdin};
 use std::path::Path;
 use std::process::Command;

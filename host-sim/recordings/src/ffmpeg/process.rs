@@ -1,9 +1,9 @@
 //! A running ffmpeg: its output, and the lines of its standard error, sorted by kind.
 
-use crate::cleanup::Process;
-use crate::input::Patient;
-use crate::wait;
 use anyhow::{Context, Result, bail};
+use smr_files::cleanup::Process;
+use smr_files::input::Patient;
+use smr_files::wait;
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};

@@ -6,10 +6,10 @@
 use super::{jpeg, pnm};
 use crate::damage::damaged;
 use crate::formats::to_gray::{CONVERT, EXPECTED, Levels, Samples, check_size, orientation, several, unread};
-use crate::input;
 use crate::{ColorFrame, Frame, GrayFrame, MAX_PIXELS, has_extension};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use png::{DecodingError, Transformations};
+use smr_files::input;
 use std::fs::File;
 use std::io::{Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;

@@ -40,12 +40,12 @@ impl Wanted {
 }
 
 /// True if the flag of this thread has ended its waits.
-pub(crate) fn has_ended() -> bool {
+pub fn has_ended() -> bool {
     OF_THREAD.with_borrow(Wanted::has_ended)
 }
 
 /// Receives a value, like `recv_timeout`.
-pub(crate) fn receive<T>(from: &Receiver<T>, patience: Duration) -> Result<T, RecvTimeoutError> {
+pub fn receive<T>(from: &Receiver<T>, patience: Duration) -> Result<T, RecvTimeoutError> {
     let begin = Instant::now();
     loop {
         let left = patience.saturating_sub(begin.elapsed());

@@ -46,7 +46,7 @@ fn asks_to_stop(signal: i32) -> bool {
 }
 
 /// Locks a mutex even if a thread panicked while holding it, because registered files must still be removed.
-pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
