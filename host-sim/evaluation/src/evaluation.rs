@@ -10,7 +10,7 @@ use super::{
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use rayon::prelude::*;
 use serde_json::Value;
-use smr_files::cleanup;
+use smr_files::signals;
 use smr_recordings::{Frame, Sequence, misfit};
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,7 @@ pub fn measure(
         let files = if compares { result_files(path)? } else { Vec::new() };
         evaluate(sequence, variants, &files, || progress(Progress::Done))
     };
-    let all: Vec<_> = paths.par_iter().filter_map(|path| (!cleanup::is_stopped()).then(|| one(path))).collect();
+    let all: Vec<_> = paths.par_iter().filter_map(|path| (!signals::is_stopped()).then(|| one(path))).collect();
     let (mut evaluations, mut failures) = (Vec::new(), Vec::new());
     for evaluation in all {
         match evaluation {
@@ -66,7 +66,7 @@ pub fn measure(
             Err(error) => failures.push(error),
         }
     }
-    failures.retain(|_| !cleanup::is_stopped());
+    failures.retain(|_| !signals::is_stopped());
     evaluations.retain(|evaluation| !evaluation.scores.is_empty());
     Measured {
         tables: Ok(Evaluation::tables(&evaluations)),
@@ -212,7 +212,7 @@ fn follow(
     let mut runs: Vec<_> = followers.into_iter().map(|follower| (follower, Ok(Run::default()))).collect();
     for (place, frame) in frames.enumerate() {
         let frame = frame?;
-        ensure!(!cleanup::is_stopped(), "it was stopped");
+        ensure!(!signals::is_stopped(), "it was stopped");
         for (follower, run) in &mut runs {
             if let Ok(record) = run
                 && let Err(error) = record.add(follower, place, &frame.gray)

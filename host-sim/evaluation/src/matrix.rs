@@ -5,7 +5,7 @@ use super::{Follower, Run, Tables, Variant};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use rayon::prelude::*;
 use smr_core::Rect;
-use smr_files::cleanup;
+use smr_files::signals;
 use smr_recordings::away::Away;
 use smr_recordings::cover::Cover;
 use smr_recordings::fault::Fault;
@@ -139,7 +139,7 @@ pub(super) fn measure<'a, P: Protocol>(
     let places: Vec<usize> = (0..count).collect();
     let mut parts = places.chunks(rayon::current_num_threads()).peekable();
     while let Some(part) = parts.next()
-        && !cleanup::is_stopped()
+        && !signals::is_stopped()
     {
         separate(part.par_iter().map(read).collect(), &mut all_held, &mut failures);
         let bytes: u64 = all_held.iter().map(|held| held.recording.bytes()).sum();
@@ -161,7 +161,7 @@ pub(super) fn measure<'a, P: Protocol>(
         }
         all_held.clear();
     }
-    if cleanup::is_stopped() {
+    if signals::is_stopped() {
         failures.clear();
     }
     (records, failures)
@@ -219,7 +219,7 @@ impl Recording {
         let mut follower = Follower::new(variant.build()?, vec![(case.frame + 1, Some(case.target))]);
         let mut run = Run::default();
         for place in case.frame..case.end {
-            ensure!(!cleanup::is_stopped(), "it was stopped");
+            ensure!(!signals::is_stopped(), "it was stopped");
             for frame in case.intervention.shown(&self.frames, place) {
                 run.add(&mut follower, place, &frame)?;
             }

@@ -9,8 +9,8 @@ use anyhow::{Context, Error, Result, bail, ensure};
 use clap::CommandFactory;
 use smr_evaluation::robustness::{self, Former, Starts};
 use smr_evaluation::{Layout, Measured, MethodKind, Progress, TableName, Tables, Variant, covers, faults, published};
-use smr_files::cleanup;
 use smr_files::output::complain;
+use smr_files::signals;
 use smr_recordings::fault::{Fault, Faults};
 use smr_recordings::{Sequence, slow};
 use std::io::Write;
@@ -182,7 +182,7 @@ impl Eval {
         let bar = progress::bar(NAME, Some(0));
         let generated = if matches!(protocol, Protocol::Cover) { slow::COUNT } else { 0 };
         let expected = Expected::of(&bar, found.len() + generated);
-        cleanup::stop_first();
+        signals::stop_first();
         let progress = |progress| match progress {
             Progress::Expected { frames, recordings } => expected.add(frames, recordings),
             Progress::Done => bar.inc(),
@@ -202,13 +202,13 @@ impl Eval {
             }
         };
         bar.clear();
-        if cleanup::is_stopped() {
+        if signals::is_stopped() {
             complain("stopped: the results are those of the recordings that were done");
         }
         let failed = count_failures(failures, is_empty)?;
         notes.iter().for_each(|note| complain(&format!("note: {note}")));
         self.tables.print(&tables?)?;
-        if let Some(signal) = cleanup::stopped_by() {
+        if let Some(signal) = signals::stopped_by() {
             return Ok(Outcome::Stopped(signal));
         }
         ensure!(failed == 0, "{failed} of the measurements failed: see the errors above");
@@ -267,7 +267,7 @@ fn count_failures(mut failures: Vec<Error>, is_all: bool) -> Result<usize> {
     }
     let command = HostSim::command().find_subcommand(NAME).cloned().unwrap_or_default();
     for error in &failures {
-        cleanup::yield_to_signal();
+        signals::yield_to_signal();
         complain(&format!("error: {}", told(error, &command)));
     }
     Ok(failures.len())

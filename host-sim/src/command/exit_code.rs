@@ -6,7 +6,7 @@ use anyhow::{Context, Result, anyhow};
 use clap::Parser;
 use smr_evaluation::Refused;
 use smr_files::output::{ReaderGone, complain};
-use smr_files::{cleanup, messages};
+use smr_files::{messages, signals};
 use smr_recordings::Damaged;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -28,7 +28,7 @@ pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> R
     let all = T::command();
     // Messages use the program's own name, even if its executable file is renamed.
     let all = all.clone().bin_name(all.get_name().to_owned());
-    if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {
+    if let Err(error) = signals::heed().context("cannot wait for signals") {
         return refused(&error, &all);
     }
     let arguments = usage::joined(arguments);
@@ -41,7 +41,7 @@ pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> R
         Err(error) => return refused(&anyhow!(usage::explained(&error, &all, &arguments)), &command),
     };
     let done = run(line);
-    cleanup::yield_to_signal();
+    signals::yield_to_signal();
     match done {
         Ok(Outcome::Holds) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
@@ -65,7 +65,7 @@ pub(super) fn told(error: &anyhow::Error, command: &clap::Command) -> String {
 }
 
 fn refused(error: &anyhow::Error, command: &clap::Command) -> ExitCode {
-    cleanup::yield_to_signal();
+    signals::yield_to_signal();
     complain(&format!("error: {}", told(error, command)));
     ExitCode::from(2)
 }

@@ -10,9 +10,9 @@ use super::{Outcome, is_closed_pipe};
 use anyhow::{Context, Error, Result, bail, ensure};
 use smr_core::Quality;
 use smr_evaluation::{Follower, MethodKind};
-use smr_files::cleanup;
 use smr_files::messages::choice_name;
 use smr_files::output::{Output, complain, print};
+use smr_files::signals;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::export::{FILM_ENDINGS, Plan};
 use smr_recordings::{Arrivals, Frame, Sequence, misfit};
@@ -109,7 +109,7 @@ impl Track {
         let live = sequence.source.live();
         if live.is_some() {
             // Ctrl-C is the usual end of a live source, so it must not lose the results.
-            cleanup::stop_first();
+            signals::stop_first();
         }
         let bar = self.bar(&sequence, film, events.is_some() || boxes.is_some() || !stdout().is_terminal());
         let (length, truth) = (sequence.length, sequence.truth.as_ref().map(Vec::len));

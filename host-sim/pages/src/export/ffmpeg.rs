@@ -1,8 +1,8 @@
 //! Runs ffmpeg to write videos. Exit statuses and counts of packets decide; its words are only quoted in messages.
 
 use anyhow::{Context, Result, bail, ensure};
-use smr_files::cleanup::Process;
 use smr_files::input::Patient;
+use smr_files::process::Process;
 use smr_recordings::silent;
 use std::io::{BufRead, ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -3,9 +3,9 @@
 use super::lock;
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
-use smr_files::cleanup::Process;
 use smr_files::messages;
 use smr_files::output::Exchange;
+use smr_files::process::Process;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs;

@@ -7,7 +7,7 @@ use super::packets::{DISCARDED, Packets};
 use super::pictures::{FROM_ZERO, MAX_TIME_JUMP, Use};
 use super::reading;
 use crate::formats::y4m;
-use smr_files::cleanup::locked;
+use smr_files::locked;
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::thread;

@@ -4,8 +4,8 @@ use super::process::{self, Ffmpeg};
 use crate::Frame;
 use crate::formats::y4m::{self, Planes};
 use anyhow::{Context, Result, bail};
-use smr_files::cleanup::{self, locked};
 use smr_files::wait;
+use smr_files::{locked, signals};
 use std::io::{BufRead, BufReader, stdin};
 use std::path::Path;
 use std::process::Command;
@@ -125,7 +125,7 @@ impl Iterator for Live {
     fn next(&mut self) -> Option<Frame> {
         let arrivals = Arc::clone(&self.arrivals);
         let mut state = locked(&arrivals.state);
-        while !cleanup::is_stopped() && !wait::has_ended() {
+        while !signals::is_stopped() && !wait::has_ended() {
             if let Some((number, seconds, planes)) = state.newest.take() {
                 state.taken += 1;
                 let frame = Frame::new(number, Some(seconds), planes.gray());

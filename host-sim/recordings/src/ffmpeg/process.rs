@@ -1,8 +1,8 @@
 //! A running ffmpeg: its output, and the lines of its standard error, sorted by kind.
 
 use anyhow::{Context, Result, bail};
-use smr_files::cleanup::Process;
 use smr_files::input::Patient;
+use smr_files::process::Process;
 use smr_files::wait;
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};
