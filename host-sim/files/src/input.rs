@@ -16,12 +16,6 @@ pub struct Kind {
     pub most: u32,
 }
 
-/// Files of boxes: 64 MiB are enough for a million lines of 67 bytes, such as polygons of four corners.
-pub const BOXES: Kind = Kind { expected: "a text file with a box a line", most: 64 };
-/// Pictures: 512 MiB are enough for 16384x16384 pixels, except uncompressed pixels of two bytes or more.
-pub const PICTURE: Kind = Kind { expected: "a PNG, JPEG, PGM, PPM or PAM picture", most: 512 };
-pub const FORMER: Kind = Kind { expected: "what `host-sim eval --robustness --json` writes", most: 64 };
-
 /// Longest time without data from a pipe or a device.
 const PATIENCE: Duration = Duration::from_secs(5);
 

@@ -8,8 +8,10 @@ use anyhow::{Context, Result, anyhow, ensure};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
-use smr_files::input;
+use smr_files::input::{self, Kind};
 use std::path::Path;
+
+const KIND: Kind = Kind { expected: "what `host-sim eval --robustness --json` writes", most: 64 };
 
 /// An earlier measurement, with which a new one is compared.
 #[derive(Debug)]
@@ -64,14 +66,14 @@ struct Nested {
 impl Former {
     /// Reads a file that `eval --robustness --json` wrote; an error if it is unreadable or of another kind.
     pub fn read(file: &Path) -> Result<Self> {
-        let text = input::text(file, &input::FORMER).with_context(|| format!("cannot read {}", file.display()))?;
+        let text = input::text(file, &KIND).with_context(|| format!("cannot read {}", file.display()))?;
         let name = file.display().to_string();
         let read = serde_json::from_str(&text);
         let tables: FormerTables = read.map_err(|error: serde_json::Error| {
             if serde_json::from_str::<Nested>(&text).is_ok() {
                 return anyhow!("{name}: an earlier version of host-sim wrote it: measure again with this one");
             }
-            anyhow!("{name}: line {}: expected {} in this version", error.line(), input::FORMER.expected)
+            anyhow!("{name}: line {}: expected {} in this version", error.line(), KIND.expected)
         })?;
         let recordings = tables.rows();
         ensure!(!recordings.is_empty(), "{name}: there is no recording in it");

@@ -12,10 +12,13 @@
 
 use anyhow::{Context, Result, anyhow, ensure};
 use smr_core::{FineRect, Rect};
-use smr_files::input;
+use smr_files::input::{self, Kind};
 use std::path::Path;
 use std::str::FromStr;
 use std::{fmt, fs};
+
+/// 64 MiB are enough for a million lines of 67 bytes, such as polygons of four corners.
+const KIND: Kind = Kind { expected: "a text file with a box a line", most: 64 };
 
 /// An annotated box in pixels, possibly fractional.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -228,7 +231,7 @@ fn is_named(file: &Path) -> bool {
 }
 
 fn read<T>(path: &Path, entry: impl Fn(&str) -> Result<T>) -> Result<Vec<T>> {
-    let text = input::text(path, &input::BOXES).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = input::text(path, &KIND).with_context(|| format!("cannot read {}", path.display()))?;
     parse(&text, entry).with_context(|| path.display().to_string())
 }
 
@@ -320,7 +323,7 @@ mod tests {
     }
 
     fn parsed(form: Form, text: &str) -> Result<Vec<Option<BoundingBox>>> {
-        parse(&input::decoded(text.as_bytes(), &input::BOXES)?, |line| form.entry(line))
+        parse(&input::decoded(text.as_bytes(), &KIND)?, |line| form.entry(line))
     }
 
     #[test]

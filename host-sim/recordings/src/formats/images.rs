@@ -9,11 +9,14 @@ use crate::formats::to_gray::{CONVERT, EXPECTED, Levels, Samples, check_size, or
 use crate::{ColorFrame, Frame, GrayFrame, MAX_PIXELS, has_extension};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use png::{DecodingError, Transformations};
-use smr_files::input;
+use smr_files::input::{self, Kind};
 use std::fs::File;
 use std::io::{Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+
+/// 512 MiB are enough for 16384x16384 pixels, except uncompressed pixels of two bytes or more.
+const KIND: Kind = Kind { expected: "a PNG, JPEG, PGM, PPM or PAM picture", most: 512 };
 
 const EXTENSIONS: [&str; 9] = ["png", "jpg", "jpeg", "jpe", "jfif", "pgm", "ppm", "pnm", "pam"];
 
@@ -88,7 +91,7 @@ impl Picture {
     }
 
     fn bytes(&self) -> Result<Vec<u8>> {
-        let Some(part) = &self.part else { return input::bytes(&self.file, &input::PICTURE) };
+        let Some(part) = &self.part else { return input::bytes(&self.file, &KIND) };
         let mut file = File::open(&self.file)?;
         file.seek(SeekFrom::Start(part.start))?;
         let mut bytes = Vec::new();
