@@ -1,6 +1,6 @@
 //! Checks the frames of every source: at least one frame, all of one size, and none after an error.
 
-use super::{Frame, Frames};
+use crate::frame::{Frame, Frames};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use std::fmt;
 
@@ -68,7 +68,7 @@ fn same_size(frame: Frame, first: &mut Option<(u16, u16)>) -> Result<Frame> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::GrayFrame;
+    use crate::raster::GrayFrame;
     use proptest::prelude::*;
 
     proptest! {

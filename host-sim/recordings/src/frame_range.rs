@@ -1,6 +1,7 @@
 //! Cuts a recording to a range of its frames, with their boxes.
 
-use super::{FrameNumber, Sequence};
+use crate::frame_number::FrameNumber;
+use crate::sequence::Sequence;
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt;
 use std::str::FromStr;
@@ -114,8 +115,8 @@ pub fn misfit(frames: usize, boxes: usize) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic;
     use super::*;
+    use crate::built_in::synthetic;
 
     fn range(text: &str) -> FrameRange {
         text.parse().unwrap()

@@ -1,6 +1,9 @@
 //! Scales the frames and boxes of a recording to another size.
 
-use super::{Frame, MAX_PIXELS, Raster, Sequence};
+use crate::annotations::boxes::BoundingBox;
+use crate::frame::Frame;
+use crate::raster::{MAX_PIXELS, Raster};
+use crate::sequence::Sequence;
 use anyhow::{Context, Result, bail, ensure};
 use rgb::FromSlice as _;
 use std::fmt;
@@ -68,7 +71,7 @@ impl Sequence {
             let frame = frame?;
             Ok(Frame { gray: resized(frame.gray, width, height), ..frame })
         });
-        let scaled = |entry: Option<super::BoundingBox>| entry.map(|entry| entry.scaled(scale));
+        let scaled = |entry: Option<BoundingBox>| entry.map(|entry| entry.scaled(scale));
         let (init, truth) = (scaled(self.init), self.truth.map(|truth| truth.into_iter().map(scaled).collect()));
         Ok((Self { frames: Box::new(frames), init, truth, ..self }, scale))
     }
@@ -115,8 +118,9 @@ fn scale<F: resize::PixelFormat>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{BoundingBox, GrayFrame, synthetic};
     use super::*;
+    use crate::built_in::synthetic;
+    use crate::raster::GrayFrame;
 
     fn synthetic_as(text: &str) -> Sequence {
         synthetic::sequence().resized(text.parse().unwrap()).unwrap().0

@@ -6,7 +6,9 @@
 //! twin appears, some of whose pixels differ. With many such pixels the target's score leads by more than 100, but not
 //! by the ratio that a returning target needs. With few it is lost, and later found again.
 
-use crate::{BoundingBox, GrayFrame, Sequence};
+use crate::annotations::boxes::BoundingBox;
+use crate::raster::GrayFrame;
+use crate::sequence::Sequence;
 
 pub const NAME: &str = "border";
 
@@ -64,7 +66,7 @@ pub(crate) fn sequence() -> Sequence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Paper;
+    use crate::fixtures::Paper;
     use smr_core::paper::Config;
     use smr_core::unstable::{Peaks, peaks};
     use smr_core::{Answer, State, Tracker};

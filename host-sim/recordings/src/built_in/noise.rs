@@ -2,7 +2,9 @@
 //!
 //! The box stays in the middle, so that a second update's search window lies in the frame wherever the first moves it.
 
-use crate::{BoundingBox, GrayFrame, Sequence};
+use crate::annotations::boxes::BoundingBox;
+use crate::raster::GrayFrame;
+use crate::sequence::Sequence;
 use smr_scene::random::Random;
 
 pub const NAME: &str = "noise";

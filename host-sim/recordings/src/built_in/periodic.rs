@@ -3,7 +3,8 @@
 //! A checkerboard moves by half of its period, where opposite offsets are equally close. Some frames are uniform.
 //! Others show a cone: its score falls with every pixel, so the runner-up shows where the peak's neighbourhood ends.
 
-use crate::{GrayFrame, Sequence};
+use crate::raster::GrayFrame;
+use crate::sequence::Sequence;
 
 pub const NAME: &str = "periodic";
 

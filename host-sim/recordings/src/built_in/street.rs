@@ -1,6 +1,10 @@
 //! The built-in recording `street`, which `smr_scene::street` draws, for demonstrations.
 
-use crate::{BoundingBox, ColorFrame, GrayFrame, Sequence, Source, luma};
+use crate::annotations::boxes::BoundingBox;
+use crate::formats::to_gray::luma;
+use crate::raster::{ColorFrame, GrayFrame};
+use crate::sequence::Sequence;
+use crate::source::Source;
 use smr_scene::street::{HEIGHT, LENGTH, Street, WIDTH};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -35,7 +39,7 @@ mod tests {
     #[test]
     fn every_pixel_is_as_it_was() {
         let bytes = [0, 61, 150, 299].into_iter().flat_map(|index| frame(index).pixels).flatten();
-        let fnv = crate::fnv(bytes);
+        let fnv = crate::fixtures::fnv(bytes);
         assert_eq!(fnv, 0x58A7_C6CF_3681_FB9C, "{fnv:#X}");
     }
 

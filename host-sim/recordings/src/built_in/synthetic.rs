@@ -1,6 +1,8 @@
 //! The built-in recording `synthetic`, which `smr_scene::synthetic` draws, to test trackers.
 
-use crate::{BoundingBox, GrayFrame, Sequence};
+use crate::annotations::boxes::BoundingBox;
+use crate::raster::GrayFrame;
+use crate::sequence::Sequence;
 use smr_scene::synthetic::Textures;
 pub use smr_scene::synthetic::{HEIGHT, LENGTH, WIDTH};
 use std::sync::LazyLock;
@@ -47,17 +49,17 @@ pub(crate) fn sequence() -> Sequence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Paper;
+    use crate::fixtures::Paper;
     use smr_core::paper::Config;
     use smr_core::{State, Tracker};
 
     #[test]
     fn the_script_is_kept() {
-        let fnv = crate::fnv(frames().flat_map(|frame| frame.pixels));
+        let fnv = crate::fixtures::fnv(frames().flat_map(|frame| frame.pixels));
         assert_eq!(fnv, 0xB71D_F7BB_FDEB_9A1D, "{fnv:#X}");
         let of_box = |BoundingBox { x, y, width, height }: BoundingBox| [x, y, width, height].map(f64::to_be_bytes);
         let truth_of = |index| truth(index).map_or([[0; 8]; 4], of_box).concat();
-        let fnv = crate::fnv((0..LENGTH).flat_map(truth_of));
+        let fnv = crate::fixtures::fnv((0..LENGTH).flat_map(truth_of));
         assert_eq!(fnv, 0x2E56_2931_BD32_D5EC, "{fnv:#X}");
         let hidden: Vec<usize> = (0..LENGTH).filter(|&index| truth(index).is_none()).collect();
         assert_eq!(hidden, (173..=199).collect::<Vec<_>>());

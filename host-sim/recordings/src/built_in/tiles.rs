@@ -1,6 +1,8 @@
 //! The built-in recording `tiles`, which firmware also draws to measure its cycles: see `tests/chip/cycles`.
 
-use crate::{BoundingBox, GrayFrame, Sequence};
+use crate::annotations::boxes::BoundingBox;
+use crate::raster::GrayFrame;
+use crate::sequence::Sequence;
 use smr_scene::tiles::{FRAMES, HEIGHT, SIDE, WIDTH, is_hidden, level, place};
 
 pub const NAME: &str = "tiles";

@@ -1,6 +1,6 @@
 //! Covers of a camera's lens: frames that show nothing of the target.
 
-use crate::GrayFrame;
+use crate::raster::GrayFrame;
 use clap::ValueEnum;
 use smr_scene::random::Random;
 

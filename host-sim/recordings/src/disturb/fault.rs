@@ -1,7 +1,7 @@
 //! Simulated faults of cameras in undamaged frames; the same seed always generates the same frames.
 
-use crate::GrayFrame;
 use crate::disturb::away::Away;
+use crate::raster::GrayFrame;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
 use smr_files::messages::choice_name;

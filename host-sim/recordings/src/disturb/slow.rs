@@ -1,6 +1,8 @@
 //! Generated recordings of a slow target on a textured background: dark, bright, textured, smooth and noisy targets.
 
-use crate::{BoundingBox, GrayFrame, Sequence};
+use crate::annotations::boxes::BoundingBox;
+use crate::raster::GrayFrame;
+use crate::sequence::Sequence;
 use smr_scene::PIXEL;
 use smr_scene::random::Random;
 use smr_scene::synthetic::{Keys, between};

@@ -1,8 +1,9 @@
 //! Live frames of a camera, a network address or standard input. A slow reader gets only the newest frame.
 
 use super::process::{self, Ffmpeg};
-use crate::Frame;
-use crate::formats::y4m::{self, Planes};
+use crate::formats::y4m;
+use crate::frame::Frame;
+use crate::planes::Planes;
 use anyhow::{Context, Result, bail};
 use smr_files::wait;
 use smr_files::{locked, signals};

@@ -15,6 +15,8 @@ mod pictures;
 mod process;
 mod reading;
 mod search;
+#[cfg(test)]
+mod tests;
 mod tones;
 
 pub(super) use index::{Index, count};
@@ -24,7 +26,7 @@ pub(super) use pictures::{Picture, Use};
 pub use process::{PATIENCE, input, silent};
 pub(super) use reading::{good, open, sought};
 
-use super::has_extension;
+use crate::formats::names::has_extension;
 use std::path::Path;
 
 /// Extensions that mark a video in a folder. A file that the user names goes to ffmpeg whatever its extension.
@@ -35,21 +37,4 @@ const EXTENSIONS: [&str; 22] = [
 
 pub(super) fn is_video(file: &Path) -> bool {
     has_extension(file, &EXTENSIONS)
-}
-
-/// Presentation time of a frame, and the aspect ratio of its pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Moment {
-    /// Time in units of `base`.
-    pub time: i64,
-    /// Unit of `time` in seconds, as a fraction.
-    pub base: (u32, u32),
-    /// Width and height of a pixel, as a ratio.
-    pub aspect: (u32, u32),
-}
-
-impl Moment {
-    pub fn seconds(&self) -> f64 {
-        self.time as f64 * f64::from(self.base.0) / f64::from(self.base.1)
-    }
 }

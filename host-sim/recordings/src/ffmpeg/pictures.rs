@@ -1,11 +1,12 @@
 //! Decoded pictures of a video, and whether they are whole.
 
-use super::Moment;
 use super::facts::Video;
 use super::nut::{Nut, Packet};
 use super::process::{self, Ffmpeg, Line, MARK};
 use super::tones::Tones;
-use crate::{ColorFrame, Frame, GrayFrame, MAX_PIXELS};
+use crate::frame::Frame;
+use crate::frame::Moment;
+use crate::raster::{ColorFrame, GrayFrame, MAX_PIXELS};
 use anyhow::{Context, Result, ensure};
 use smr_files::input::Patient;
 use std::collections::VecDeque;

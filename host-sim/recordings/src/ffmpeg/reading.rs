@@ -221,7 +221,7 @@ impl Iterator for Reading {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FFMPEG_PATIENCE as PATIENCE;
+    use crate::ffmpeg::PATIENCE;
 
     #[test]
     fn a_missing_ffmpeg_is_asked_for() {
@@ -283,7 +283,7 @@ mod tests {
             let file = folder.path().join(format!("{transfer}.mkv"));
             let colors = format!("-color_trc {transfer} -color_primaries bt2020 -colorspace bt2020nc");
             let input = "-f lavfi -i color=gray:size=32x16:duration=0.1 -c:v ffv1 -pix_fmt yuv420p10le";
-            assert!(crate::tests::ffmpeg(&format!("{input} {colors}"), &file));
+            assert!(crate::fixtures::ffmpeg(&format!("{input} {colors}"), &file));
             let (frame, _) = good(&file, Use::Color(16), PATIENCE).next().unwrap().color();
             let apart = frame.pixels[70].map(|level| level.abs_diff(shown)).into_iter().max();
             assert!((frame.width, frame.height) == (16, 8) && apart <= Some(4), "{transfer}: {:?}", frame.pixels[70]);

@@ -5,8 +5,10 @@
 
 use super::{jpeg, pnm};
 use crate::damage::damaged;
+use crate::formats::names::has_extension;
 use crate::formats::to_gray::{CONVERT, EXPECTED, Levels, Samples, check_size, orientation, several, unread};
-use crate::{ColorFrame, Frame, GrayFrame, MAX_PIXELS, has_extension};
+use crate::frame::Frame;
+use crate::raster::{ColorFrame, GrayFrame, MAX_PIXELS};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use png::{DecodingError, Transformations};
 use smr_files::input::{self, Kind};
@@ -280,3 +282,6 @@ fn undecodable(error: DecodingError) -> Error {
         _ => damaged(format!("{EXPECTED}: it is damaged"), None),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,9 @@
 //! A raw dump as a recording: 8-bit gray pixels, row after row, frame after frame, as cameras and scripts write them.
 
 use crate::damage::damaged;
-use crate::{Frame, GrayFrame, MAX_PIXELS, has_extension};
+use crate::formats::names::has_extension;
+use crate::frame::Frame;
+use crate::raster::{GrayFrame, MAX_PIXELS};
 use anyhow::{Context, Result, ensure};
 use std::fs::File;
 use std::io::{BufReader, Read};

@@ -1,6 +1,6 @@
 //! Converts decoded samples to an upright frame in gray or color, and creates errors about pictures.
 
-use crate::{ColorFrame, GrayFrame, MAX_PIXELS, Raster};
+use crate::raster::{ColorFrame, GrayFrame, MAX_PIXELS, Raster};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use std::fmt;
 use std::str::FromStr;

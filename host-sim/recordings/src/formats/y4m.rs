@@ -1,7 +1,10 @@
 //! YUV4MPEG2 (`.y4m`) as a recording or a live source: the luma plane is the gray picture, byte for byte.
 
 use crate::damage::damaged;
-use crate::{ColorFrame, Frame, GrayFrame, MAX_PIXELS, has_extension};
+use crate::formats::names::has_extension;
+use crate::frame::Frame;
+use crate::planes::{Chroma, Planes};
+use crate::raster::MAX_PIXELS;
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::{File, Metadata};
 use std::io::{self, BufRead, BufReader, Read, Seek};
@@ -106,52 +109,6 @@ impl<R: BufRead> Iterator for Frames<R> {
     }
 }
 
-/// A frame in the layout of the stream: the luma plane, then two chroma planes, if any.
-#[derive(Clone, Debug)]
-pub struct Planes {
-    size: (u16, u16),
-    chroma: Chroma,
-    bytes: Vec<u8>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Chroma {
-    /// Horizontal chroma subsampling: pixels for each chroma sample; 0 without chroma.
-    across: usize,
-    down: usize,
-    /// True for full range (0 to 255) and gray frames, false for limited range (luma 16 to 235, chroma 16 to 240).
-    is_full: bool,
-}
-
-impl Planes {
-    pub fn gray(&self) -> GrayFrame {
-        let (width, height) = self.size;
-        let luma = usize::from(width) * usize::from(height);
-        GrayFrame { width, height, pixels: self.bytes[..luma].to_vec() }
-    }
-
-    /// Converts the frame to RGB by the matrix of BT.601, because the stream names no matrix.
-    pub fn color(&self) -> ColorFrame {
-        let (width, height) = (usize::from(self.size.0), usize::from(self.size.1));
-        let Chroma { across, down, is_full } = self.chroma;
-        let (luma, chroma) = self.bytes.split_at(width * height);
-        let (blue, red) = chroma.split_at(chroma.len() / 2);
-        let (black, of_luma, of_chroma) = if is_full { (0.0, 1.0, 1.0) } else { (16.0, 255.0 / 219.0, 255.0 / 224.0) };
-        let pixel = |at: usize| {
-            let gray = (f32::from(luma[at]) - black) * of_luma;
-            let difference = |plane: &[u8]| {
-                let at = at / width / down.max(1) * width.div_ceil(across.max(1)) + at % width / across.max(1);
-                plane.get(at).map_or(0.0, |&level| (f32::from(level) - 128.0) * of_chroma)
-            };
-            let (blue, red) = (difference(blue), difference(red));
-            let rgb = [gray + 1.402 * red, gray - 0.344_136 * blue - 0.714_136 * red, gray + 1.772 * blue];
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
-            rgb.map(|level| level.round() as u8)
-        };
-        ColorFrame { width: self.size.0, height: self.size.1, pixels: (0..luma.len()).map(pixel).collect() }
-    }
-}
-
 #[derive(Debug, PartialEq)]
 struct Header {
     size: (u16, u16),
@@ -214,4 +171,60 @@ fn chroma(colour: &str) -> Result<(usize, usize)> {
             bail!("its colour space is C{colour}: expected mono, 420, 422 or 444 with 8 bits");
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures::reads;
+
+    #[test]
+    fn luma_is_the_picture_and_damage_is_named() {
+        let frames =
+            b"FRAME\n\x01\x02\x03\x04\x05\x06\x80\x80\x80\x80FRAME Ip\n\x07\x08\x09\x0A\x0B\x0C\x80\x80\x80\x80";
+        for colour in [" C420jpeg", " C420", ""] {
+            let header = format!("YUV4MPEG2 W3 H2 F25:1{colour}\n");
+            reads("a.y4m", None, &[header.as_bytes(), frames].concat(), &[1, 7], "");
+        }
+        let line_ends =
+            "...: its header ends with CR LF: expected LF alone; it was changed as if it were text, and its pixels too";
+        for (text, error) in [
+            ("W3 H2 Cmono\n", "@/a.y4m holds no frame: expected at least one"),
+            ("W3 H2 Cmono\nRUBBISH\n", "@/a.y4m, frame 1: it does not begin as a frame of YUV4MPEG2 does..."),
+            ("W3 H2\r\n", line_ends),
+            ("W3 H2 F25:1 C420p10\n", "@/a.y4m: its pixels have 10 bits (C420p10): expected 8"),
+            ("W3 H2 F25:1 Cmono16\n", "@/a.y4m: its pixels have 16 bits (Cmono16): expected 8"),
+            ("W3 H2 C411\n", "@/a.y4m: its colour space is C411: expected mono, 420, 422 or 444 with 8 bits"),
+            ("W70000 H2\n", "@/a.y4m: its header says W70000: expected a size of 1 to 65535"),
+            ("W3 H0\n", "@/a.y4m: its header says H0: expected a size of 1 to 65535"),
+            ("W3\n", "@/a.y4m: its header names no size: expected H and a number"),
+            ("W65535 H65535 Cmono\n", "...a frame of 65535x65535 has 4294836225 bytes: expected at most 268435456"),
+            ("W3 H2 Fx\n", "@/a.y4m: its header is not understood: expected that of YUV4MPEG2, as ffmpeg writes it"),
+        ] {
+            reads("a.y4m", None, format!("YUV4MPEG2 {text}").as_bytes(), &[], error);
+        }
+        reads("a.y4m", None, b"RIFF\n", &[], "@/a.y4m: expected a line that begins with YUV4MPEG2");
+        let whole = b"YUV4MPEG2 W3 H2 F25:1 Cmono\nFRAME\n123456FRAME\n123456";
+        for (cut, found) in [(1, 11), (6, 6), (9, 3)] {
+            let error = format!("@/a.y4m, frame 2: it is cut short: expected 12 bytes with its header, found {found}");
+            reads("a.y4m", None, &whole[..whole.len() - cut], b"1", &error);
+        }
+    }
+
+    /// In limited range (BT.601), pure red has Y 81, Cb 90 and Cr 240.
+    #[test]
+    fn planes_have_colors_in_both_ranges() {
+        let color = |header: &str, planes: &[u8]| {
+            let stream = [b"YUV4MPEG2 W2 H2 ".as_slice(), header.as_bytes(), b"\nFRAME\n", planes].concat();
+            let mut frames = Frames::new(stream.as_slice(), "a.y4m".to_owned()).unwrap();
+            frames.next_planes().unwrap().unwrap().color().pixels
+        };
+        let near = |found: [u8; 3], expected: [u8; 3]| found.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 2);
+        let limited = color("C420", &[81, 81, 16, 235, 90, 240]);
+        assert!(near(limited[0], [255, 0, 0]) && near(limited[1], [255, 0, 0]), "{limited:?}");
+        let full = color("C444 XCOLORRANGE=FULL", &[76, 0, 255, 29, 85, 128, 128, 255, 255, 128, 128, 107]);
+        assert!(near(full[0], [254, 0, 0]) && near(full[1], [0; 3]) && near(full[2], [255; 3]), "{full:?}");
+        assert!(near(full[3], [0, 0, 254]), "{full:?}");
+        assert_eq!(color("Cmono", &[0, 7, 200, 255]), [[0; 3], [7; 3], [200; 3], [255; 3]]);
+    }
 }

@@ -1,8 +1,9 @@
 //! Finds the recordings at a path of the command line: the path itself if it is a recording, else those below it.
 
+use crate::folder::{check_pictures, entries};
+use crate::open::is_sequence;
 use anyhow::{Context, Result, bail};
 use std::collections::HashSet;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -14,14 +15,14 @@ pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
 }
 
 fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
-    if crate::is_sequence(path) {
+    if is_sequence(path) {
         return Ok(vec![path.to_owned()]);
     }
     let entries = folders(path).with_context(|| format!("{}: neither a recording nor a folder", path.display()))?;
     let mut found = Vec::new();
     look_into(entries, &mut found, &mut path.canonicalize().into_iter().collect())?;
     if found.is_empty() {
-        crate::check_pictures(path)?;
+        check_pictures(path)?;
         bail!("{}: no recording in it: expected one, or folders of recordings", path.display());
     }
     Ok(found)
@@ -35,7 +36,7 @@ fn look_into(entries: Vec<PathBuf>, found: &mut Vec<PathBuf>, seen: &mut HashSet
         if !seen.insert(folder.canonicalize().with_context(cannot_list)?) {
             continue;
         }
-        if crate::is_sequence(&folder) {
+        if is_sequence(&folder) {
             found.push(folder);
         } else {
             look_into(folders(&folder).with_context(cannot_list)?, found, seen)?;
@@ -51,17 +52,10 @@ fn folders(path: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(folders)
 }
 
-/// Returns the entries of a folder except hidden ones, such as the thumbnails of a file manager.
-pub(super) fn entries(folder: &Path) -> io::Result<Vec<PathBuf>> {
-    let entries: io::Result<Vec<PathBuf>> = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect();
-    let hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-    Ok(entries?.into_iter().filter(|path| !hidden(path)).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::folder;
+    use crate::fixtures::folder;
 
     #[test]
     fn recordings_in_folders_of_folders_come_in_natural_order() {

@@ -1,0 +1,65 @@
+//! A recording as it is read: its frames in order, and the boxes known about them.
+
+use crate::annotations::boxes::BoundingBox;
+use crate::damage;
+use crate::frame::{Frame, Frames};
+use crate::raster::GrayFrame;
+use crate::source::Source;
+use anyhow::{Context, Result, anyhow};
+
+/// A recording: its frames in order, and its start box and ground truth, if known.
+pub struct Sequence {
+    /// Name of the folder, or of the file without its extension.
+    pub name: String,
+    /// Frames in order, all of the size of the first. A frame of another size is an error; no frame follows an error.
+    pub frames: Frames,
+    /// Count of frames, if known before they are read.
+    pub length: Option<usize>,
+    /// Number of the first frame: 1, or more after [`Sequence::part`].
+    pub first: usize,
+    /// Box on which trackers lock in the first frame.
+    pub init: Option<BoundingBox>,
+    /// Ground truth, one entry per frame; `None` where the target is not visible.
+    pub truth: Option<Vec<Option<BoundingBox>>>,
+    pub source: Source,
+    pub notes: Vec<String>,
+}
+
+impl Sequence {
+    /// Creates a sequence of generated frames. Trackers start from the first frame's box in `truth`.
+    pub fn made(
+        name: &str,
+        frames: impl ExactSizeIterator<Item = GrayFrame> + Send + 'static,
+        truth: Vec<Option<BoundingBox>>,
+    ) -> Self {
+        let (length, init) = (Some(frames.len()), truth.first().copied().flatten());
+        Self { length, init, truth: Some(truth), ..Self::endless(name.to_owned(), frames) }
+    }
+
+    pub(crate) fn endless(name: String, frames: impl Iterator<Item = GrayFrame> + Send + 'static) -> Self {
+        let frames = (1..).zip(frames).map(|(number, gray)| Ok(Frame::new(number, None, gray)));
+        Self::streamed(name, frames, Source::Once)
+    }
+
+    pub(crate) fn streamed(
+        name: String,
+        frames: impl Iterator<Item = Result<Frame>> + Send + 'static,
+        source: Source,
+    ) -> Self {
+        // A pipe may not keep to the frame rate in its Y4M header, so times computed from that rate are dropped.
+        let has_times = !matches!(source, Source::Once);
+        let timed = move |frame: Frame| Frame { seconds: frame.seconds.filter(|_| has_times), ..frame };
+        let frames = damage::frames(frames.map(move |frame| frame.map(timed)), name.clone());
+        Self { name, frames, length: None, first: 1, init: None, truth: None, source, notes: Vec::new() }
+    }
+
+    /// Returns the start box in whole pixels. Errors: There is no box, it has no pixels, or a `Rect` cannot hold it.
+    pub fn start(&self) -> Result<smr_core::Rect> {
+        let (name, first) = (&self.name, self.first);
+        let init = self.init.with_context(|| match first {
+            1 => format!("{name}: no initial box: give --init X,Y,W,H (drag it in `host-sim view`), or init.txt beside the recording"),
+            _ => format!("{name}: no initial box for frame {first}: give --init X,Y,W,H (init.txt has that of frame 1)"),
+        })?;
+        init.pixels().map_err(|what| anyhow!("{name}: the initial box {what}"))
+    }
+}
