@@ -1,8 +1,9 @@
 //! CVAT XML 1.1, <https://docs.cvat.ai/docs/dataset_management/formats/format-cvat/>: tracks of a video, or shapes of
 //! images. Frames and images count from 0. A shape is read as its bounding box.
 
+use super::boxes::BoundingBox;
+use super::track::{Entry, Seen, Track, frame, line_of, number, shown};
 use super::xml::{Element, Step, Steps};
-use super::{BoundingBox, Entry, Seen, Track, frame, line_of, number, shown};
 use crate::annotations::boxes::mask;
 use crate::annotations::start::checked_name;
 use anyhow::{Context, Result, bail, ensure};

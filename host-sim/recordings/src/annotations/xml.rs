@@ -1,7 +1,7 @@
 //! Elements of an XML document, event by event. quick-xml knows XML; here are bounds, which make time and memory
 //! linear in the size of any document, and errors with their lines.
 
-use super::line_of;
+use super::track::line_of;
 use anyhow::{Result, anyhow, bail, ensure};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Error, Reader, XmlVersion};
