@@ -12,7 +12,7 @@ use clap::ValueEnum;
 use smr_core::State;
 use smr_files::messages::choice_name;
 use smr_recordings::cover::Cover;
-use smr_recordings::{GrayFrame, OpenOptions, Resize, Sequence, slow, synthetic};
+use smr_recordings::{GrayFrame, OpenOptions, Resize, SLOW, Sequence, slow, synthetic};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -50,7 +50,7 @@ struct CoverFigures {
     recordings: Vec<Counts>,
 }
 
-/// Runs every variant on the recordings at `paths` and on the generated recordings of the module `slow`. Each kind of
+/// Runs every variant on the recordings at `paths` and on the generated recordings of [`slow`]. Each kind of
 /// cover is inserted in the middle of every recording, in a run of its own.
 pub fn measure(
     paths: &[PathBuf],
@@ -60,9 +60,9 @@ pub fn measure(
 ) -> Measured {
     let open = |place: usize| match paths.get(place) {
         Some(path) => open(path),
-        None => Ok(slow::sequence(place - paths.len())),
+        None => Ok(slow(place - paths.len())),
     };
-    let count = paths.len() + slow::COUNT;
+    let count = paths.len() + SLOW;
     let (records, failures) = matrix::measure(&Covers { paths }, count, open, variants, progress);
     let is_empty = records.is_empty();
     let counts: Vec<_> = records.into_iter().flat_map(|record| record.runs).map(|(_, counts)| counts).collect();
@@ -242,8 +242,8 @@ mod tests {
     #[test]
     fn each_cover_goes_over_the_middle_and_a_black_lens_is_soon_lost() {
         let variants = variants();
-        for (variants, count) in [(&variants[..1], 1), (&variants[1..], slow::COUNT)] {
-            let open = |number| Ok(slow::sequence(number));
+        for (variants, count) in [(&variants[..1], 1), (&variants[1..], SLOW)] {
+            let open = |number| Ok(slow(number));
             let (records, failures) = matrix::measure(&Covers { paths: &[] }, count, open, variants, &|_| ());
             assert_eq!((records.len(), failures.len()), (count, 0));
             let runs: Vec<_> = records.into_iter().flat_map(|record| record.runs).collect();
@@ -261,7 +261,7 @@ mod tests {
 
     #[test]
     fn a_short_recording_is_refused() {
-        let mut short = slow::sequence(0);
+        let mut short = slow(0);
         short.frames = Box::new(short.frames.take(3));
         short.truth = short.truth.map(|truth| truth[..3].to_vec());
         let recording = Recording::read(short, u64::MAX).unwrap();

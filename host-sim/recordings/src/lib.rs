@@ -30,9 +30,9 @@ mod source;
 
 pub use annotations::boxes::{self, BoundingBox};
 pub use annotations::start::{Start, Target, check_gone, checked_name};
-pub use built_in::{BUILT_IN, CHECKED, street, synthetic};
+pub use built_in::{BUILT_IN, CHECKED, SLOW, slow, street, synthetic};
 pub use damage::Damaged;
-pub use disturb::{away, cover, fault, slow};
+pub use disturb::{away, cover, fault};
 pub use ffmpeg::{Arrivals, Live, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, is_live, silent};
 pub use find::recordings;
 pub use folder::{INNER, RESULTS, is_of_boxes, is_of_frames};

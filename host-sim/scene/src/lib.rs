@@ -2,18 +2,22 @@
 
 #![cfg_attr(target_family = "wasm", no_std)]
 
+pub mod border;
+pub mod noise;
+pub mod periodic;
 pub mod random;
 mod rays;
+pub mod slow;
 pub mod street;
 pub mod synthetic;
-pub mod texture;
+mod texture;
 pub mod tiles;
 #[cfg(target_family = "wasm")]
 #[allow(unsafe_code)] // the boundary to JavaScript
 mod web;
 
 /// Units per pixel: positions are in sixteenths of a pixel.
-pub const PIXEL: i32 = 16;
+const PIXEL: i32 = 16;
 
 /// A box: left, top, width and height in pixels.
 pub type Sides = [i32; 4];

@@ -27,7 +27,7 @@ const TARGET_HEIGHT: i32 = 28 * PIXEL;
 const POST_WIDTH: i32 = 36 * PIXEL;
 
 /// Key frames: pairs of a frame number and a value, with smooth interpolation between them.
-pub type Keys = [(i32, i32)];
+pub(crate) type Keys = [(i32, i32)];
 
 /// Left and top edge of the target, in whole pixels. At fractions of a pixel a tracker that replaces its template in
 /// every frame would drift, but trackers must be able to follow this recording to its end.
@@ -105,7 +105,7 @@ impl Scene {
 }
 
 /// Returns `unit` times the value in `frame`, interpolated between two keys by 3 t^2 - 2 t^3 with t from 0 to 1.
-pub fn between(keys: &Keys, frame: i32, unit: i32) -> i32 {
+pub(crate) fn between(keys: &Keys, frame: i32, unit: i32) -> i32 {
     let next = keys.partition_point(|&(key, _)| key <= frame);
     let Some(&(start, from)) = keys.get(next.saturating_sub(1)) else { return 0 };
     let Some(&(end, to)) = keys.get(next.max(1)) else { return from * unit };

@@ -12,7 +12,7 @@ use smr_evaluation::{Layout, Measured, MethodKind, Progress, TableName, Tables, 
 use smr_files::output::complain;
 use smr_files::signals;
 use smr_recordings::fault::{Fault, Faults};
-use smr_recordings::{Sequence, slow};
+use smr_recordings::{SLOW, Sequence};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -180,7 +180,7 @@ impl Eval {
         let found = self.recording.find(&self.paths)?;
 
         let bar = progress::bar(NAME, Some(0));
-        let generated = if matches!(protocol, Protocol::Cover) { slow::COUNT } else { 0 };
+        let generated = if matches!(protocol, Protocol::Cover) { SLOW } else { 0 };
         let expected = Expected::of(&bar, found.len() + generated);
         signals::stop_first();
         let progress = |progress| match progress {

@@ -5,8 +5,9 @@ use crate::formats::to_gray::luma;
 use crate::raster::{ColorFrame, GrayFrame};
 use crate::sequence::Sequence;
 use crate::source::Source;
+use smr_files::locked;
 use smr_scene::street::{HEIGHT, LENGTH, Street, WIDTH};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 pub const NAME: &str = "street";
 
@@ -20,7 +21,7 @@ pub(crate) fn sequence() -> Sequence {
 }
 
 fn street() -> MutexGuard<'static, Street> {
-    STREET.lock().unwrap_or_else(PoisonError::into_inner)
+    locked(&STREET)
 }
 
 fn frame(index: usize) -> ColorFrame {

@@ -3,4 +3,3 @@
 pub mod away;
 pub mod cover;
 pub mod fault;
-pub mod slow;

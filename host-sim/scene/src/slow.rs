@@ -1,16 +1,13 @@
 //! Generated recordings of a slow target on a textured background: dark, bright, textured, smooth and noisy targets.
 
-use crate::annotations::boxes::BoundingBox;
-use crate::raster::GrayFrame;
-use crate::sequence::Sequence;
-use smr_scene::PIXEL;
-use smr_scene::random::Random;
-use smr_scene::synthetic::{Keys, between};
-use smr_scene::texture::Texture;
+use crate::PIXEL;
+use crate::random::Random;
+use crate::synthetic::{Keys, between};
+use crate::texture::Texture;
 
-const LENGTH: usize = 120;
-const WIDTH: u16 = 160;
-const HEIGHT: u16 = 120;
+pub const LENGTH: usize = 120;
+pub const WIDTH: u16 = 160;
+pub const HEIGHT: u16 = 120;
 /// Width and height of the target, in pixels.
 const SIDE: i32 = 36;
 
@@ -37,43 +34,54 @@ const KINDS: [Kind; 5] = [
 
 pub const COUNT: usize = KINDS.len();
 
-/// Generates recording `number`, which must be below [`COUNT`].
-pub fn sequence(number: usize) -> Sequence {
-    KINDS[number].sequence(number as u64)
-}
-
 /// Left and top edge of the target in frame `index`, in sixteenths of a pixel.
 fn place(index: usize) -> (i32, i32) {
     let frame = i32::try_from(index).unwrap_or(i32::MAX);
     (between(X, frame, PIXEL), between(Y, frame, PIXEL))
 }
 
-impl Kind {
-    fn sequence(&'static self, number: u64) -> Sequence {
-        let target = Box::new(Texture::new(0x7A00 + number, self.grain, self.levels));
-        let ground = Box::new(Texture::new(0x6B00 + number, (16, 8), (40, 200)));
-        let frames = (0..LENGTH).map(move |index| self.frame(index, number, &target, &ground));
-        Sequence::made(self.name, frames, (0..LENGTH).map(|index| Some(truth(index))).collect())
+/// Returns the target's box in frame `index`: left, top, width and height in pixels.
+pub fn truth(index: usize) -> [f64; 4] {
+    let pixels = |sixteenths: i32| f64::from(sixteenths) / f64::from(PIXEL);
+    let ((x, y), side) = (place(index), f64::from(SIDE));
+    [pixels(x), pixels(y), side, side]
+}
+
+/// A recording: its kind and its textures.
+pub struct Slow {
+    number: u64,
+    kind: &'static Kind,
+    target: Texture,
+    ground: Texture,
+}
+
+impl Slow {
+    /// Makes the textures of recording `number`, which must be below [`COUNT`].
+    pub fn new(number: usize) -> Self {
+        let (kind, number) = (&KINDS[number], number as u64);
+        let target = Texture::new(0x7A00 + number, kind.grain, kind.levels);
+        let ground = Texture::new(0x6B00 + number, (16, 8), (40, 200));
+        Self { number, kind, target, ground }
     }
 
-    fn frame(&self, index: usize, number: u64, target: &Texture, ground: &Texture) -> GrayFrame {
-        let mut noise = Random(0x5107_0000 + (number << 12) + index as u64);
+    pub fn name(&self) -> &'static str {
+        self.kind.name
+    }
+
+    /// Returns a function of the gray level of the pixel (x, y) in frame `index`; the noise goes on at each call.
+    pub fn frame(&self, index: usize) -> impl FnMut(i32, i32) -> u8 {
+        let mut noise = Random(0x5107_0000 + (self.number << 12) + index as u64);
         let (left, top) = place(index);
-        GrayFrame::drawn(WIDTH, HEIGHT, |x, y| {
+        move |x, y| {
             // The target is sampled at the centre of a pixel, the background at its upper left corner.
             let (right, down) = (x * PIXEL + PIXEL / 2 - left, y * PIXEL + PIXEL / 2 - top);
             let inside = (0..SIDE * PIXEL).contains(&right) && (0..SIDE * PIXEL).contains(&down);
-            let sampled = if inside { target.sample(right, down) } else { ground.sample(x * PIXEL, y * PIXEL) };
-            let level = (sampled >> 8) + self.noise * noise.noise();
+            let sampled =
+                if inside { self.target.sample(right, down) } else { self.ground.sample(x * PIXEL, y * PIXEL) };
+            let level = (sampled >> 8) + self.kind.noise * noise.noise();
             u8::try_from(level.clamp(0, 255)).unwrap_or(u8::MAX)
-        })
+        }
     }
-}
-
-fn truth(index: usize) -> BoundingBox {
-    let pixels = |sixteenths: i32| f64::from(sixteenths) / f64::from(PIXEL);
-    let ((x, y), side) = (place(index), f64::from(SIDE));
-    BoundingBox { x: pixels(x), y: pixels(y), width: side, height: side }
 }
 
 #[cfg(test)]
@@ -94,9 +102,9 @@ mod tests {
     fn each_target_is_what_it_is_called() {
         let means: Vec<u32> = (0..COUNT)
             .map(|number| {
-                let mut frames = sequence(number).frames;
-                let frame = frames.next().unwrap().unwrap().gray;
-                (0..36 * 36).map(|at| u32::from(frame.level(28 + at % 36, 52 + at / 36))).sum::<u32>() / (36 * 36)
+                let slow = Slow::new(number);
+                let mut level = slow.frame(0);
+                (0..36 * 36).map(|at| u32::from(level(28 + at % 36, 52 + at / 36))).sum::<u32>() / (36 * 36)
             })
             .collect();
         assert!(means[0] < 60 && means[1] > 195, "{means:?}");

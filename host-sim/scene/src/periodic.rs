@@ -3,13 +3,14 @@
 //! A checkerboard moves by half of its period, where opposite offsets are equally close. Some frames are uniform.
 //! Others show a cone: its score falls with every pixel, so the runner-up shows where the peak's neighbourhood ends.
 
-use crate::raster::GrayFrame;
-use crate::sequence::Sequence;
+use crate::Sides;
 
-pub const NAME: &str = "periodic";
+pub const WIDTH: u16 = 64;
+pub const HEIGHT: u16 = 48;
+pub const LENGTH: usize = SCRIPT.len() / 3;
+/// Box on which trackers lock. No frame has ground truth.
+pub const START: Sides = [26, 18, 12, 12];
 
-const WIDTH: u16 = 64;
-const HEIGHT: u16 = 48;
 const CELL: i32 = 4;
 
 const FLAT: i32 = 0;
@@ -23,11 +24,9 @@ const SCRIPT: [i32; 57] = [
     26, CONE, 2, 26,
 ];
 
-pub fn frames() -> impl ExactSizeIterator<Item = GrayFrame> + Send + 'static {
-    SCRIPT.as_chunks().0.iter().map(|&pattern| GrayFrame::drawn(WIDTH, HEIGHT, |x, y| level(pattern, x, y)))
-}
-
-fn level([pattern, right, down]: [i32; 3], x: i32, y: i32) -> u8 {
+/// Returns the gray level of the pixel (`x`, `y`) in frame `index`.
+pub fn level(index: usize, x: i32, y: i32) -> u8 {
+    let [pattern, right, down]: [i32; 3] = SCRIPT.as_chunks().0[index];
     let distance = x.abs_diff(right) + y.abs_diff(down);
     match pattern {
         BOARD if ((x + right) / CELL + (y + down) / CELL) % 2 == 0 => 8,
@@ -35,8 +34,4 @@ fn level([pattern, right, down]: [i32; 3], x: i32, y: i32) -> u8 {
         CONE => u8::try_from(200_u32.saturating_sub(4 * distance)).unwrap_or(u8::MAX),
         _ => 128,
     }
-}
-
-pub(crate) fn sequence() -> Sequence {
-    Sequence { init: Some([26, 18, 12, 12].into()), truth: None, ..Sequence::made(NAME, frames(), vec![]) }
 }
