@@ -12,7 +12,7 @@ fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=build.rs");
     let out = env::var_os("OUT_DIR").unwrap_or_default();
     fs::write(Path::new(&out).join("targets.rs"), targets(&folder.join("colors.js"))?)?;
-    let lists = [modules(&folder, "window.js")?, modules(&folder, "report.js")?];
+    let lists = [modules(&folder, "viewer.js")?, modules(&folder, "report.js")?];
     fs::write(Path::new(&out).join("modules.rs"), format!("[{}]", lists.join(",")))
 }
 

@@ -174,8 +174,8 @@ fn a_recording_without_a_command_opens_the_window() {
 fn the_page_has_all_that_it_asks_for() {
     let window = Window::open(&["periodic"]);
     let page = window.text("");
-    assert!(page.contains("page/window.js") && !page.contains("{{") && !page.contains("http"), "{page}");
-    let mut left = vec!["window.js".to_owned()];
+    assert!(page.contains("page/viewer.js") && !page.contains("{{") && !page.contains("http"), "{page}");
+    let mut left = vec!["viewer.js".to_owned()];
     let mut seen = Vec::new();
     while let Some(name) = left.pop() {
         let text = window.text(&format!("page/{name}"));
@@ -188,7 +188,7 @@ fn the_page_has_all_that_it_asks_for() {
     let (status, picture) = window.get("frames/3.jpg");
     assert!(status == 200 && picture.starts_with(&[0xFF, 0xD8]));
     for wrong in
-        ["frames/0.jpg", "frames/999999.jpg", "frames/../source", "page/../window.js", "page/nothing.js", "etc/passwd"]
+        ["frames/0.jpg", "frames/999999.jpg", "frames/../source", "page/../viewer.js", "page/nothing.js", "etc/passwd"]
     {
         assert_eq!(window.get(wrong).0, 404, "{wrong}");
     }

@@ -37,19 +37,19 @@ function inScript(script) {
   return script;
 }
 
-// Returns the body of host-sim's window.html, with the stand-alone page's own heading and text.
+// Returns the body of host-sim's viewer.html, with the stand-alone page's own heading and text.
 function application() {
-  const [, body] = /<body>\n([^]*)\{\{scripts\}\}/.exec(text("window.html"));
+  const [, body] = /<body>\n([^]*)\{\{scripts\}\}/.exec(text("viewer.html"));
   const own = { '<h1 id="name"></h1>': text("lead.html"), "</main>": `${text("end.html").replace("{{words}}", () => text("words.html"))}</main>` };
   return Object.entries(own).reduce((page, [from, to]) => {
     if (!page.includes(from)) {
-      throw new Error(`window.html has no ${from}`);
+      throw new Error(`viewer.html has no ${from}`);
     }
     return page.replace(from, () => to);
   }, body);
 }
 
-const style = readFileSync(BASE, "utf8") + text("page.css") + text("window.css") + text("local.css");
+const style = readFileSync(BASE, "utf8") + text("page.css") + text("viewer.css") + text("local.css");
 const script = inScript(bundle(new URL("page.js", import.meta.url)));
 const parts = { style, script, application: application(), policy: policy(style, script), data: carried(bundle(new URL("worker.js", import.meta.url))) };
 const page = text("index.html").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);

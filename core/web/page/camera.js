@@ -1,7 +1,7 @@
 // The webcam as a source of frames. A frame that arrives while the trackers are busy is dropped and counted.
 
 import { htmlNode } from "./dom.js";
-import { eachPicture } from "./pictures.js";
+import { eachPicture } from "./camera-images.js";
 
 const WANTED = { audio: false, video: { width: { ideal: 640 }, height: { ideal: 480 }, frameRate: { ideal: 60 }, facingMode: "environment" } };
 const MAX_BYTES = 96 << 20; // of pictures that are kept

@@ -1,7 +1,7 @@
 // Playback of a source: plays, steps and jumps through frames, loads their pictures, and writes the frame number into
 // the page's address.
 
-import { Pictures } from "./window-pictures.js";
+import { Pictures } from "./image-cache.js";
 
 const AHEAD = 12; // pictures that are loaded before they are played
 const USUAL_RATE = 25; // frames a second, where the source does not say

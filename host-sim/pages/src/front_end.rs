@@ -7,12 +7,12 @@ use crate::encode::base64;
 
 /// JavaScript modules as (file name, text): index 0 for the window (page of `host-sim view`), index 1 for the report.
 const MODULES: [&[(&str, &str)]; 2] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
-const WINDOW: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.html"));
+const WINDOW: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/viewer.html"));
 /// A glossary of the terms on the pages, as the items of an HTML list.
 pub const WORDS: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/words.html"));
 pub const STYLES: [&str; 2] =
     [include_str!("report/base.css"), include_str!(concat!(env!("SMR_FRONT_END"), "/page.css"))];
-const WINDOW_STYLE: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.css"));
+const WINDOW_STYLE: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/viewer.css"));
 
 /// Returns the HTML page of `host-sim view`, with `scripts` as its last elements.
 pub fn window(scripts: &str) -> String {
@@ -41,7 +41,7 @@ mod tests {
             assert_eq!(text.matches("from \"").count(), text.matches("from \"./").count(), "{name}");
         }
         let map = super::import_map();
-        assert!(map.contains("\"smr/dom.js\":\"data:text/javascript;base64,") && !map.contains("smr/window.js"));
+        assert!(map.contains("\"smr/dom.js\":\"data:text/javascript;base64,") && !map.contains("smr/viewer.js"));
         assert_eq!(map.matches("\"smr/").count(), map.matches("data:").count());
     }
 }

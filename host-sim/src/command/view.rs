@@ -12,7 +12,7 @@ use smr_files::messages::choice_name;
 use smr_files::output::complain;
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
-use smr_pages::window::{
+use smr_pages::viewer::{
     Camera, Followed, Growing, Job, Lock, Made, Requests, Server, Session, Source, Target, Window, Work, check_inside,
 };
 use smr_recordings::annotations;

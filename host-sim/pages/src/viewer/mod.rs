@@ -8,7 +8,7 @@
 //! `server` admits only the page. After each change, the page sends all targets with their locks (boxes that the user
 //! drew). `following` determines the segments (frames from one lock to the next) that lack answers. All open pages poll
 //! `news`, the log of changes; if many answers changed, a page requests them in parts. Frames come from a `recording`
-//! or a `camera`. The page itself is core/web/page/window.html. `session` saves the user's work in a file.
+//! or a `camera`. The page itself is core/web/page/viewer.html. `session` saves the user's work in a file.
 
 mod camera;
 mod change_log;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::window::LiveState;
+use crate::viewer::LiveState;
 use anyhow::anyhow;
 use smr_core::paper;
 use smr_evaluation::MethodKind;

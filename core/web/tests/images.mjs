@@ -1,6 +1,6 @@
 // Creates the pictures of the README in host-sim/assets: frames, the window and the report of the recording `street`.
 //
-//   SMR_HOST_SIM=target/release/host-sim node core/web/tests/pictures.mjs
+//   SMR_HOST_SIM=target/release/host-sim node core/web/tests/images.mjs
 
 import { spawn, spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
@@ -46,7 +46,7 @@ const strip = `(async () => {
 
 try {
   const line = await new Promise((resolve) => view.stdout.once("data", resolve));
-  await shoot(JSON.parse(line).address, "window.jpg", `!document.body.textContent.includes("Following:") && document.getElementById("place").value.includes("${FRAME}")`);
+  await shoot(JSON.parse(line).address, "viewer.jpg", `!document.body.textContent.includes("Following:") && document.getElementById("place").value.includes("${FRAME}")`);
   const report = join(folder, "report.html");
   spawnSync(HOST_SIM, ["report", "street", "-o", report]);
   const page = await shoot(pathToFileURL(report).href, "report.jpg", `document.getElementById("place").value.includes("${FRAME}")`);

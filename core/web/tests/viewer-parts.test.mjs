@@ -8,7 +8,7 @@ import { Connection } from "../page/connection.js";
 import { Edits, lockIn, nameOf, plainName } from "../page/edits.js";
 import { ENDED, Messages } from "../page/messages.js";
 import { doubtOf } from "../page/question.js";
-import { Pictures } from "../page/window-pictures.js";
+import { Pictures } from "../page/image-cache.js";
 import { random } from "./library.mjs";
 
 const BOX = { x: 1, y: 2, width: 30, height: 40 };

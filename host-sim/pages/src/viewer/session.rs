@@ -253,7 +253,7 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::Lock;
+    use crate::viewer::Lock;
 
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<_> =

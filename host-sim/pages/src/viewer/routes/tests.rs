@@ -1,5 +1,5 @@
 use super::*;
-use crate::window::Growing;
+use crate::viewer::Growing;
 use smr_core::robust;
 use smr_evaluation::MethodKind;
 use smr_recordings::{OpenOptions, synthetic};

@@ -87,7 +87,7 @@ impl Window {
         let (first, rest) = path.split_once('/').unwrap_or((path, ""));
         Ok(match (posts, first, rest) {
             (false, "", "") => {
-                let script = "<script type=\"module\" src=\"page/window.js\"></script>";
+                let script = "<script type=\"module\" src=\"page/viewer.js\"></script>";
                 Reply::new("text/html; charset=utf-8", front_end::window(script))
             }
             (false, "page", name) => match front_end::module(name) {
