@@ -12,14 +12,14 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-struct Window {
+struct Viewer {
     process: Child,
     place: String,
     token: String,
     folder: TempDir,
 }
 
-impl Window {
+impl Viewer {
     fn open<Word: AsRef<OsStr>>(arguments: &[Word]) -> Self {
         let mut command = Command::new(PROGRAM);
         command.args(["view", "--no-open", "--json"]).args(arguments);
@@ -117,7 +117,7 @@ impl Window {
     }
 }
 
-impl Drop for Window {
+impl Drop for Viewer {
     fn drop(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();
@@ -136,111 +136,111 @@ fn recording(folder: &TempDir) -> String {
 }
 
 #[test]
-fn what_is_followed_in_the_window_is_what_track_answers() {
+fn what_is_followed_in_the_viewer_is_what_track_answers() {
     let folder = tempfile::tempdir().unwrap();
     let recording = &recording(&folder)[..];
-    let window = Window::open(&[recording]);
-    let source = window.json("source");
+    let viewer = Viewer::open(&[recording]);
+    let source = viewer.json("source");
     assert_eq!((&source["frames"], &source["width"], &source["live"]), (&json!(40), &json!(160), &json!(false)));
     assert_eq!(source["targets"][0]["locks"], json!([{ "frame": 1, "box": [36, 24, 24, 28] }]));
-    window.followed();
-    assert_eq!(window.text("boxes?format=csv"), host_sim(&["track", recording, "--format", "csv"]).out);
-    assert_eq!(window.text("boxes?format=json"), host_sim(&["track", recording, "--json"]).out);
+    viewer.followed();
+    assert_eq!(viewer.text("boxes?format=csv"), host_sim(&["track", recording, "--format", "csv"]).out);
+    assert_eq!(viewer.text("boxes?format=json"), host_sim(&["track", recording, "--json"]).out);
     assert_eq!(
-        window.post("targets", &target(&[(2, [37, 24, 24, 28]), (30, [80, 40, 24, 28])])),
+        viewer.post("targets", &target(&[(2, [37, 24, 24, 28]), (30, [80, 40, 24, 28])])),
         (200, "{}".to_owned())
     );
-    window.followed();
+    viewer.followed();
     let inits = ["track", recording, "--init", "37,24,24,28@2", "--init", "80,40,24,28@30"];
     let corrected = |more: &[&str]| host_sim(&[&inits, more].concat()).out;
-    assert_eq!(window.text("boxes?format=csv"), corrected(&["--format", "csv"]));
-    assert_eq!(window.post("method", &json!({ "method": "paper", "options": { "config": "camera" } })).0, 200);
-    window.followed();
+    assert_eq!(viewer.text("boxes?format=csv"), corrected(&["--format", "csv"]));
+    assert_eq!(viewer.post("method", &json!({ "method": "paper", "options": { "config": "camera" } })).0, 200);
+    viewer.followed();
     let paper = corrected(&["--method", "paper", "--config", "camera", "--format", "csv"]);
-    assert_eq!(window.text("boxes?format=csv"), paper);
-    assert!(window.text("firmware").contains("camera_within"));
+    assert_eq!(viewer.text("boxes?format=csv"), paper);
+    assert!(viewer.text("firmware").contains("camera_within"));
 }
 
 #[test]
-fn a_recording_without_a_command_opens_the_window() {
+fn a_recording_without_a_command_opens_the_viewer() {
     for arguments in [["synthetic", "--no-open", "--json"], ["--no-open", "--json", "synthetic"]] {
         let mut command = Command::new(PROGRAM);
         command.args(arguments);
-        assert!(Window::start(command).place.starts_with("127.0.0.1:"), "{arguments:?}");
+        assert!(Viewer::start(command).place.starts_with("127.0.0.1:"), "{arguments:?}");
     }
 }
 
 #[test]
 fn the_page_has_all_that_it_asks_for() {
-    let window = Window::open(&["periodic"]);
-    let page = window.text("");
+    let viewer = Viewer::open(&["periodic"]);
+    let page = viewer.text("");
     assert!(page.contains("page/viewer.js") && !page.contains("{{") && !page.contains("http"), "{page}");
     let mut left = vec!["viewer.js".to_owned()];
     let mut seen = Vec::new();
     while let Some(name) = left.pop() {
-        let text = window.text(&format!("page/{name}"));
+        let text = viewer.text(&format!("page/{name}"));
         let imports =
             text.lines().filter_map(|line| Some(line.split_once("from \"./")?.1.split('"').next()?.to_owned()));
         left.extend(imports.filter(|import| !seen.contains(import)));
         seen.push(name);
     }
     assert!(seen.len() > 5);
-    let (status, picture) = window.get("frames/3.jpg");
+    let (status, picture) = viewer.get("frames/3.jpg");
     assert!(status == 200 && picture.starts_with(&[0xFF, 0xD8]));
     for wrong in
         ["frames/0.jpg", "frames/999999.jpg", "frames/../source", "page/../viewer.js", "page/nothing.js", "etc/passwd"]
     {
-        assert_eq!(window.get(wrong).0, 404, "{wrong}");
+        assert_eq!(viewer.get(wrong).0, 404, "{wrong}");
     }
     for wrong in ["boxes?format=exe", "boxes", "news", "news?since=x", "made/1", "made/x"] {
-        let (status, said) = window.get(wrong);
+        let (status, said) = viewer.get(wrong);
         assert!(status == 400 && !said.is_empty() && !said.contains(&b'\n'), "{wrong}: {status}");
     }
     let empty = target(&[(1, [1, 1, 0, 5])]);
-    assert_eq!(window.post("targets", &empty), (400, "the box of car in frame 1 has no pixels".to_owned()));
-    assert_eq!(window.post("method", &json!({ "method": "other" })).0, 400);
+    assert_eq!(viewer.post("targets", &empty), (400, "the box of car in frame 1 has no pixels".to_owned()));
+    assert_eq!(viewer.post("method", &json!({ "method": "other" })).0, 400);
     let bad =
         [(json!({ "bakend": "scalar" }), "--backend"), (json!({ "set": ["window=16,16"] }), "--set window=16x16")];
     for (options, meant) in bad {
-        let (status, said) = window.post("method", &json!({ "method": "paper", "options": options }));
+        let (status, said) = viewer.post("method", &json!({ "method": "paper", "options": options }));
         assert!(status == 400 && said.ends_with(&format!("did you mean {meant}?")), "{said}");
     }
-    assert_eq!(window.post("film", &json!({ "as": "exe" })).0, 400);
+    assert_eq!(viewer.post("film", &json!({ "as": "exe" })).0, 400);
 }
 
 #[test]
 fn a_video_and_a_report_are_made_to_be_taken_away() {
     let folder = tempfile::tempdir().unwrap();
-    let window = Window::open(&[recording(&folder)]);
-    window.followed();
-    let report = String::from_utf8(window.made("report", &json!({}))).unwrap();
+    let viewer = Viewer::open(&[recording(&folder)]);
+    viewer.followed();
+    let report = String::from_utf8(viewer.made("report", &json!({}))).unwrap();
     assert!(report.contains("<html") && report.contains("36,24,24,28"));
     if !has_ffmpeg("a_video_and_a_report_are_made_to_be_taken_away") {
         return;
     }
-    assert!(window.made("film", &json!({ "as": "mp4" }))[4..].starts_with(b"ftyp"));
+    assert!(viewer.made("film", &json!({ "as": "mp4" }))[4..].starts_with(b"ftyp"));
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
-        let folder = fs::read_dir(window.folder.path()).unwrap().next().unwrap().unwrap().path();
+        let folder = fs::read_dir(viewer.folder.path()).unwrap().next().unwrap().unwrap().path();
         let jobs = fs::read_dir(&folder).unwrap().map(|job| fs::read_dir(job.unwrap().path()).unwrap());
         let files: Vec<_> = jobs.flatten().map(|file| mode(&file.unwrap().path())).collect();
         assert_eq!((mode(&folder), files), (0o700, vec![0o600; 2]));
     }
     fs::remove_file(folder.path().join("synthetic/00030.png")).unwrap();
-    assert_eq!(window.post("targets", &target(&[(40, [36, 24, 24, 28])])).0, 200);
-    assert_eq!(window.post("film", &json!({ "as": "mp4" })).0, 200);
+    assert_eq!(viewer.post("targets", &target(&[(40, [36, 24, 24, 28])])).0, 200);
+    assert_eq!(viewer.post("film", &json!({ "as": "mp4" })).0, 200);
     let error = json!("synthetic: there is no frame 40 (--init): expected 1 to 39").to_string();
-    window.wait("the error without the warning before it", |news| news["exports"].to_string().contains(&error));
-    let (status, said) = window.get("frames/30.jpg");
-    assert_eq!((status, window.get("frames/29.jpg").0, window.get("frames/31.jpg").0), (404, 200, 200));
+    viewer.wait("the error without the warning before it", |news| news["exports"].to_string().contains(&error));
+    let (status, said) = viewer.get("frames/30.jpg");
+    assert_eq!((status, viewer.get("frames/29.jpg").0, viewer.get("frames/31.jpg").0), (404, 200, 200));
     assert!(String::from_utf8(said).unwrap().contains("00030.png (frame 30): there is no such file"));
 }
 
-/// Returns the window's targets and the path of its session file.
-fn begun(window: &Window) -> (Value, Value) {
-    let source = window.json("source");
+/// Returns the viewer's targets and the path of its session file.
+fn begun(viewer: &Viewer) -> (Value, Value) {
+    let source = viewer.json("source");
     (source["targets"].clone(), source["session"].clone())
 }
 
@@ -250,39 +250,39 @@ fn work_is_kept_beside_the_recording_and_gone_on_with() {
     let recording = &recording(&folder)[..];
     let file = format!("{recording}.smr.json");
     let car = target(&[(2, [37, 24, 24, 28]), (30, [80, 40, 24, 28])]);
-    let window = Window::open(&[recording]);
-    assert_eq!((window.post("place", &json!({ "frame": 3 })).0, begun(&window).1), (200, json!(file)));
+    let viewer = Viewer::open(&[recording]);
+    assert_eq!((viewer.post("place", &json!({ "frame": 3 })).0, begun(&viewer).1), (200, json!(file)));
     assert!(!Path::new(&file).exists(), "nothing has been changed");
-    assert_eq!(window.post("targets", &car).0, 200);
-    assert_eq!(window.post("method", &json!({ "method": "paper", "options": { "config": "camera" } })).0, 200);
-    assert_eq!(window.post("place", &json!({ "frame": 12 })).0, 200);
-    drop(window);
-    let window = Window::open(&[recording]);
-    let source = window.json("source");
+    assert_eq!(viewer.post("targets", &car).0, 200);
+    assert_eq!(viewer.post("method", &json!({ "method": "paper", "options": { "config": "camera" } })).0, 200);
+    assert_eq!(viewer.post("place", &json!({ "frame": 12 })).0, 200);
+    drop(viewer);
+    let viewer = Viewer::open(&[recording]);
+    let source = viewer.json("source");
     assert_eq!((&source["targets"], &source["method"], &source["frame"]), (&car, &json!("paper"), &json!(12)));
     assert_eq!((&source["options"], &source["ids"]), (&json!({ "config": "camera" }), &car[0]["id"]));
-    assert_eq!(window.post("targets", &json!([])).0, 200);
-    assert_eq!(window.json("source")["ids"], source["ids"], "the id of a removed target is not given again");
-    drop(window);
-    let window = Window::open(&[recording]);
-    assert_eq!((&window.json("source")["targets"], &window.json("source")["ids"]), (&json!([]), &source["ids"]));
-    assert_eq!(window.post("targets", &car).0, 200);
-    drop(window);
+    assert_eq!(viewer.post("targets", &json!([])).0, 200);
+    assert_eq!(viewer.json("source")["ids"], source["ids"], "the id of a removed target is not given again");
+    drop(viewer);
+    let viewer = Viewer::open(&[recording]);
+    assert_eq!((&viewer.json("source")["targets"], &viewer.json("source")["ids"]), (&json!([]), &source["ids"]));
+    assert_eq!(viewer.post("targets", &car).0, 200);
+    drop(viewer);
     // Targets of the command line replace the targets of the session; the session file keeps its own.
-    let window = Window::open(&[recording, "--init", "1,1,20,20"]);
+    let viewer = Viewer::open(&[recording, "--init", "1,1,20,20"]);
     assert_eq!(
-        (&begun(&window).0[0]["locks"][0]["box"], window.json("source")["method"].clone()),
+        (&begun(&viewer).0[0]["locks"][0]["box"], viewer.json("source")["method"].clone()),
         (&json!([1, 1, 20, 20]), json!("paper"))
     );
     let former = fs::read(&file).unwrap();
-    assert_eq!(window.post("targets", &target(&[(1, [2, 2, 20, 20])])).0, 200);
+    assert_eq!(viewer.post("targets", &target(&[(1, [2, 2, 20, 20])])).0, 200);
     assert_eq!(fs::read(format!("{file}~")).unwrap(), former);
-    window
+    viewer
         .wait("where the former work is", |news| news["said"].as_str().is_some_and(|said| said.contains(".smr.json~")));
-    drop(window);
-    assert_eq!(begun(&Window::open(&["synthetic"])).1, Value::Null);
+    drop(viewer);
+    assert_eq!(begun(&Viewer::open(&["synthetic"])).1, Value::Null);
     let named = folder.path().join("a.json");
-    assert_eq!(begun(&Window::open(&["synthetic", "--session", utf8(&named)])).1, json!(named));
+    assert_eq!(begun(&Viewer::open(&["synthetic", "--session", utf8(&named)])).1, json!(named));
     let tracked = host_sim(&["track", recording, "--init", "2,2,20,20", "-o", utf8(&folder.path().join("boxes.csv"))]);
     assert_eq!(tracked.code, Some(0), "the file beside it is no part of the recording: {}", tracked.err);
     let refused = host_sim(&["view", "--no-open", recording, "--session", utf8(&folder.path().join("boxes.csv"))]);
@@ -294,35 +294,35 @@ fn boxes_of_a_file_are_locks() {
     let folder = tempfile::tempdir().unwrap();
     let recording = &recording(&folder)[..];
     let file = folder.path().join("boxes.csv");
-    let window = Window::open(&[recording]);
+    let viewer = Viewer::open(&[recording]);
     let mut car = target(&[(2, [37, 24, 24, 28]), (30, [80, 40, 24, 28])]);
     car[0]["locks"].as_array_mut().unwrap().insert(1, json!({ "frame": 20, "box": null }));
-    assert_eq!(window.post("targets", &car).0, 200);
-    window.followed();
-    let csv = window.text("boxes?format=csv");
+    assert_eq!(viewer.post("targets", &car).0, 200);
+    viewer.followed();
+    let csv = viewer.text("boxes?format=csv");
     let inits = ["--init", "37,24,24,28@2", "--init", "gone@20", "--init", "80,40,24,28@30"];
     assert_eq!(csv, host_sim(&[&["track", recording, "--format", "csv"], &inits[..]].concat()).out);
     fs::write(&file, &csv).unwrap();
-    let post = |text: &str, name: &str| window.asked(&format!("POST /{}/boxes?name={name}", window.token), "", text);
-    for (text, name) in [(&csv, "boxes.csv"), (&window.text("boxes?format=cvat"), "boxes.xml")] {
+    let post = |text: &str, name: &str| viewer.asked(&format!("POST /{}/boxes?name={name}", viewer.token), "", text);
+    for (text, name) in [(&csv, "boxes.csv"), (&viewer.text("boxes?format=cvat"), "boxes.xml")] {
         let (status, _, read) = post(text, name);
         let read: Value = serde_json::from_slice(&read).unwrap();
         assert_eq!((status, &read["targets"][0]["locks"]), (200, &car[0]["locks"]), "{name}");
     }
-    let outside = window.post("targets", &target(&[(2, [150, 24, 24, 28])]));
+    let outside = viewer.post("targets", &target(&[(2, [150, 24, 24, 28])]));
     assert_eq!(outside, (400, "the box 150,24,24,28 in frame 2 is not wholly inside 160x120 pixels".to_owned()));
     let (status, _, said) = post("frame\n", "my%20boxes.csv");
     assert!(status == 400 && said.starts_with(b"my boxes.csv: line 1: there is no column x"));
-    let latin = window.asked(&format!("POST /{}/boxes?name=a.csv", window.token), "", "frame\0");
+    let latin = viewer.asked(&format!("POST /{}/boxes?name=a.csv", viewer.token), "", "frame\0");
     assert!(latin.0 == 400 && latin.2.starts_with(b"a.csv: it has NUL characters"));
-    drop(window);
-    let window = Window::open(&[recording, "--boxes", utf8(&file), "--session", utf8(&folder.path().join("new.json"))]);
-    assert_eq!(begun(&window).0[0]["locks"], car[0]["locks"]);
-    window.followed();
-    assert_eq!(window.text("boxes?format=csv"), csv);
+    drop(viewer);
+    let viewer = Viewer::open(&[recording, "--boxes", utf8(&file), "--session", utf8(&folder.path().join("new.json"))]);
+    assert_eq!(begun(&viewer).0[0]["locks"], car[0]["locks"]);
+    viewer.followed();
+    assert_eq!(viewer.text("boxes?format=csv"), csv);
 }
 
-/// The length of a video is known only after its packets are counted, so the window opens before that.
+/// The length of a video is known only after its packets are counted, so the viewer opens before that.
 #[test]
 fn a_box_behind_the_end_is_said() {
     let folder = tempfile::tempdir().unwrap();
@@ -356,46 +356,46 @@ fn a_box_behind_the_end_is_said() {
             let mut command = Command::new(PROGRAM);
             command.args(["view", "--no-open", "--json"]).arg(recording).args(given);
             command.stderr(fs::File::create(&said).unwrap());
-            let window = Window::start(command);
+            let viewer = Viewer::start(command);
             let line = "there is no frame 999 for car: expected 1 to 20";
-            window.wait("the message", |news| news["said"] == line);
-            window.followed();
+            viewer.wait("the message", |news| news["said"] == line);
+            viewer.followed();
             let said = fs::read_to_string(&said).unwrap();
             assert_eq!(said.lines().last(), Some(&*format!("warning: film: {line}")), "{given:?}");
-            assert_eq!(window.text("boxes?format=tld").lines().count(), 20);
+            assert_eq!(viewer.text("boxes?format=tld").lines().count(), 20);
         }
     }
 }
 
 #[test]
 fn a_part_of_a_frame_has_its_own_pixels() {
-    let window = Window::open(&["periodic"]);
-    let part = |query: &str| window.get(&format!("frames/3.png?{query}"));
+    let viewer = Viewer::open(&["periodic"]);
+    let part = |query: &str| viewer.get(&format!("frames/3.png?{query}"));
     let (status, png) = part("part=-5,10,30,8");
     assert!(status == 200 && png.starts_with(b"\x89PNG") && png[16..24] == [0, 0, 0, 25, 0, 0, 0, 8]);
     assert_eq!([part("part=9,9,9"), part("part=9999,0,9,9"), part("")].map(|(status, _)| status), [400; 3]);
-    assert_eq!(window.get("frames/99999.png?part=0,0,9,9").0, 404);
+    assert_eq!(viewer.get("frames/99999.png?part=0,0,9,9").0, 404);
 }
 
 #[test]
 fn a_file_that_is_not_wanted_any_more_is_cancelled() {
-    let window = Window::open(&["street"]);
-    assert_eq!(window.post("report", &json!({})).0, 200);
-    let begun = window.wait("the beginning", |news| !news["exports"].is_null())["exports"][0].clone();
+    let viewer = Viewer::open(&["street"]);
+    assert_eq!(viewer.post("report", &json!({})).0, 200);
+    let begun = viewer.wait("the beginning", |news| !news["exports"].is_null())["exports"][0].clone();
     assert_eq!((&begun["id"], &begun["name"], &begun["cancelled"]), (&json!(1), &json!("street.html"), &json!(false)));
-    assert_eq!(window.post("cancel", &json!({ "id": 1 })), (200, "{}".to_owned()));
-    let ended = window.wait("the end", |news| news["exports"][0]["cancelled"] == true)["exports"][0].clone();
+    assert_eq!(viewer.post("cancel", &json!({ "id": 1 })), (200, "{}".to_owned()));
+    let ended = viewer.wait("the end", |news| news["exports"][0]["cancelled"] == true)["exports"][0].clone();
     assert_eq!((&ended["file"], &ended["error"]), (&Value::Null, &Value::Null));
-    let folder = fs::read_dir(window.folder.path()).unwrap().next().unwrap().unwrap().path();
+    let folder = fs::read_dir(viewer.folder.path()).unwrap().next().unwrap().unwrap().path();
     let begin = Instant::now();
     while fs::read_dir(&folder).unwrap().count() > 0 {
         assert!(begin.elapsed() < Duration::from_secs(20), "its file is left");
     }
     let refused = (400, "file 1 is not being made: expected one that is".to_owned());
-    assert_eq!(window.post("cancel", &json!({ "id": 1 })), refused);
+    assert_eq!(viewer.post("cancel", &json!({ "id": 1 })), refused);
 }
 
-/// Arguments of a program are visible to all users, so none of them may contain the window's key.
+/// Arguments of a program are visible to all users, so none of them may contain the viewer's key.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_browser_is_opened_by_a_private_file_and_not_by_the_address() {
@@ -411,7 +411,7 @@ fn the_browser_is_opened_by_a_private_file_and_not_by_the_address() {
     let path = std::env::join_paths([folder.path(), Path::new("/usr/bin"), Path::new("/bin")]).unwrap();
     let mut command = Command::new(PROGRAM);
     command.args(["view", "--json", "synthetic"]).env("PATH", path).env("SEEN", &seen);
-    let window = Window::start(command);
+    let viewer = Viewer::start(command);
     let begin = Instant::now();
     while !seen.exists() {
         assert!(begin.elapsed() < Duration::from_secs(20), "no browser is opened, or not with a file");
@@ -419,12 +419,12 @@ fn the_browser_is_opened_by_a_private_file_and_not_by_the_address() {
     }
     let said = fs::read_to_string(seen).unwrap();
     assert!(
-        said.starts_with("600\n") && said.contains(&format!("url=http://{}/{}/", window.place, window.token)),
+        said.starts_with("600\n") && said.contains(&format!("url=http://{}/{}/", viewer.place, viewer.token)),
         "{said}"
     );
 }
 
-/// The file is cut off, or is still being copied, while the window is open.
+/// The file is cut off, or is still being copied, while the viewer is open.
 #[test]
 fn the_end_of_a_read_is_not_the_end_of_the_file() {
     if !has_ffmpeg("the_end_of_a_read_is_not_the_end_of_the_file") {
@@ -437,28 +437,28 @@ fn the_end_of_a_read_is_not_the_end_of_the_file() {
     let head = all.iter().position(|&byte| byte == b'\n').unwrap() + 1;
     let frames = |count: usize| &all[..head + (all.len() - head) / 60 * count];
     fs::write(&file, frames(40)).unwrap();
-    let window = Window::open(&[utf8(&file), "--init", "36,24,24,28"]);
-    assert_eq!((window.followed()["followed"].clone(), window.saved("csv")), (json!(40), "clip.csv".to_owned()));
+    let viewer = Viewer::open(&[utf8(&file), "--init", "36,24,24,28"]);
+    assert_eq!((viewer.followed()["followed"].clone(), viewer.saved("csv")), (json!(40), "clip.csv".to_owned()));
     fs::write(&file, frames(20)).unwrap();
     let corrected = |at| target(&[(1, [36, 24, 24, 28]), (at, [40, 24, 24, 28])]);
-    assert_eq!(window.post("targets", &corrected(10)).0, 200);
-    window.wait("why it ends", |news| news["said"].is_string());
+    assert_eq!(viewer.post("targets", &corrected(10)).0, 200);
+    viewer.wait("why it ends", |news| news["said"].is_string());
     assert_eq!(
-        (window.json("source")["frames"].clone(), window.saved("csv")),
+        (viewer.json("source")["frames"].clone(), viewer.saved("csv")),
         (json!(40), "clip-20-of-40-frames.csv".to_owned())
     );
     fs::write(&file, frames(40)).unwrap();
-    assert_eq!(window.post("targets", &corrected(30)).0, 200);
-    assert_eq!(window.followed()["followed"], 40);
+    assert_eq!(viewer.post("targets", &corrected(30)).0, 200);
+    assert_eq!(viewer.followed()["followed"], 40);
     // The file has grown: targets that waited for frames continue without another `targets` request.
     fs::write(&file, frames(60)).unwrap();
-    let grown = window.wait("more frames", |news| news["progress"].is_null() && news["followed"] == 60);
-    assert_eq!((window.json("source")["frames"].clone(), window.get("frames/60.jpg").0), (json!(60), 200), "{grown}");
+    let grown = viewer.wait("more frames", |news| news["progress"].is_null() && news["followed"] == 60);
+    assert_eq!((viewer.json("source")["frames"].clone(), viewer.get("frames/60.jpg").0), (json!(60), 200), "{grown}");
     let inits = ["--init", "36,24,24,28", "--init", "40,24,24,28@30", "--format", "csv"];
-    assert_eq!(window.text("boxes?format=csv"), host_sim(&[&["track", utf8(&file)], &inits[..]].concat()).out);
+    assert_eq!(viewer.text("boxes?format=csv"), host_sim(&[&["track", utf8(&file)], &inits[..]].concat()).out);
 }
 
-/// The window follows a target up to the damage, and the command that it shows gives the same answers.
+/// The viewer follows a target up to the damage, and the command that it shows gives the same answers.
 #[test]
 fn what_is_shown_for_a_damaged_recording_repeats_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -481,19 +481,19 @@ fn what_is_shown_for_a_damaged_recording_repeats_it() {
         skipped("what_is_shown_for_a_damaged_recording_repeats_it", "no ffmpeg that writes mp4");
     }
     for recording in &recordings {
-        let window = Window::open(&[recording, "--init", "36,24,24,28"]);
-        window.wait("the damage", |news| news["said"].is_string());
-        let news = window.followed();
+        let viewer = Viewer::open(&[recording, "--init", "36,24,24,28"]);
+        viewer.wait("the damage", |news| news["said"].is_string());
+        let news = viewer.followed();
         let words = format!("{recording} --frames ..{}", news["followed"]);
-        assert_eq!((&window.json("source")["words"], &news["words"]), (&json!(words), &json!(words)));
+        assert_eq!((&viewer.json("source")["words"], &news["words"]), (&json!(words), &json!(words)));
         let track = host_sim(
             &[&["track", "--init", "36,24,24,28", "--format", "csv"], &words.split(' ').collect::<Vec<_>>()[..]]
                 .concat(),
         );
-        assert_eq!((track.code, track.out), (Some(0), window.text("boxes?format=csv")), "{}", track.err);
-        assert!(window.made("report", &json!({})).starts_with(b"<!DOCTYPE"));
-        assert_eq!(window.post("targets", &target(&[(1, [36, 24, 24, 28]), (25, [50, 40, 24, 28])])).0, 200);
-        let words = window.json("source")["words"].clone();
+        assert_eq!((track.code, track.out), (Some(0), viewer.text("boxes?format=csv")), "{}", track.err);
+        assert!(viewer.made("report", &json!({})).starts_with(b"<!DOCTYPE"));
+        assert_eq!(viewer.post("targets", &target(&[(1, [36, 24, 24, 28]), (25, [50, 40, 24, 28])])).0, 200);
+        let words = viewer.json("source")["words"].clone();
         assert_eq!(words == json!(recording), recording.ends_with("synthetic"), "{words}: a lock behind the damage");
     }
 }
@@ -514,9 +514,9 @@ fn odd_names_are_made_and_typed() {
             .current_dir(folder.path())
             .args(["view", "--no-open", "--json", "--init", "36,24,24,28", "--"])
             .arg(name);
-        let window = Window::start(command);
-        assert_eq!(window.json("source")["words"], typed);
-        let report = String::from_utf8(window.made("report", &json!({}))).unwrap();
+        let viewer = Viewer::start(command);
+        assert_eq!(viewer.json("source")["words"], typed);
+        let report = String::from_utf8(viewer.made("report", &json!({}))).unwrap();
         assert!(report.contains("<html"));
     }
 }
@@ -524,25 +524,25 @@ fn odd_names_are_made_and_typed() {
 #[test]
 fn targets_are_told_to_all_pages_and_none_takes_the_place_of_another() {
     let folder = tempfile::tempdir().unwrap();
-    let window = Window::open(&[recording(&folder)]);
-    let (source, here) = (window.json("source"), window.followed()["position"].clone());
+    let viewer = Viewer::open(&[recording(&folder)]);
+    let (source, here) = (viewer.json("source"), viewer.followed()["position"].clone());
     let post = |revision: &Value, targets: &Value| {
-        let (status, said) = window.post_by("targets", &format!("If-Match: \"{revision}\"\r\n"), targets);
+        let (status, said) = viewer.post_by("targets", &format!("If-Match: \"{revision}\"\r\n"), targets);
         (status, serde_json::from_str::<Value>(&said).map_or(json!(said), |said| said["revision"].clone()))
     };
     let car = target(&[(2, [37, 24, 24, 28])]);
     let (status, revision) = post(&source["revision"], &car);
     assert_eq!(status, 200);
-    let news = window.json(&format!("news?since={here}"));
+    let news = viewer.json(&format!("news?since={here}"));
     assert_eq!((&news["targets"], &news["revision"]), (&car, &revision));
     let (status, said) = post(&source["revision"], &json!([]));
     assert!(status == 400 && said.as_str().unwrap().starts_with("another page has changed the targets"), "{said}");
-    assert_eq!(window.json("source")["targets"], car);
+    assert_eq!(viewer.json("source")["targets"], car);
     let mut other = target(&[(3, [90, 24, 24, 28])]);
     other[0]["name"] = json!("man");
-    assert_eq!(window.post("targets", &other).0, 400, "its id is that of the car");
-    window.followed();
-    let part = window.json("answers?target=7&from=10&to=30");
+    assert_eq!(viewer.post("targets", &other).0, 400, "its id is that of the car");
+    viewer.followed();
+    let part = viewer.json("answers?target=7&from=10&to=30");
     assert_eq!(
         (part["rows"].as_array().unwrap().len(), &part["rows"][0][1], &part["to"]),
         (21, &json!(10), &json!(30))
@@ -552,12 +552,12 @@ fn targets_are_told_to_all_pages_and_none_takes_the_place_of_another() {
 #[cfg(unix)]
 #[test]
 fn nothing_is_left_when_it_is_ended() {
-    let mut window = Window::open(&["synthetic"]);
-    window.followed();
-    assert_eq!(window.post("report", &json!({})).0, 200);
-    assert_eq!(fs::read_dir(window.folder.path()).unwrap().count(), 1);
-    assert_eq!(window.interrupt(), Some(130));
-    assert_eq!(fs::read_dir(window.folder.path()).unwrap().count(), 0);
+    let mut viewer = Viewer::open(&["synthetic"]);
+    viewer.followed();
+    assert_eq!(viewer.post("report", &json!({})).0, 200);
+    assert_eq!(fs::read_dir(viewer.folder.path()).unwrap().count(), 1);
+    assert_eq!(viewer.interrupt(), Some(130));
+    assert_eq!(fs::read_dir(viewer.folder.path()).unwrap().count(), 0);
 }
 
 /// The median request for a frame of a one-hour video takes less than two seconds; the server stays below 300 MiB.
@@ -577,20 +577,20 @@ fn any_frame_of_a_long_video_is_soon_there() {
     if !is_made {
         return skipped(test, "no ffmpeg that writes mp4");
     }
-    let window = Window::open(&[utf8(&long)]);
-    let known = window.wait("the index", |news| news["frames"].is_u64());
+    let viewer = Viewer::open(&[utf8(&long)]);
+    let known = viewer.wait("the index", |news| news["frames"].is_u64());
     assert_eq!((&known["frames"], known["times"].as_array().unwrap().len()), (&json!(108_000), 108_000));
     let mut times = Vec::new();
     for number in [107_999, 3, 54_321, 90_000, 12_345, 70_007, 108_000, 1, 33_333, 99_000, 45_678] {
         let begin = Instant::now();
-        let (status, picture) = window.get(&format!("frames/{number}.jpg"));
+        let (status, picture) = viewer.get(&format!("frames/{number}.jpg"));
         assert!(status == 200 && picture.starts_with(&[0xFF, 0xD8]), "{number}");
         times.push(begin.elapsed());
     }
     times.sort();
     // On an idle machine a frame takes half a second (median); the limit is larger because other tests run in parallel.
     assert!(times[times.len() / 2] < Duration::from_secs(2), "{times:?}");
-    let status = fs::read_to_string(format!("/proc/{}/status", window.process.id())).unwrap();
+    let status = fs::read_to_string(format!("/proc/{}/status", viewer.process.id())).unwrap();
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
     let peak: u32 = peak.trim().trim_end_matches("kB").trim().parse().unwrap();
     assert!(peak < 300 << 10, "{peak} KiB");

@@ -1,4 +1,4 @@
-// Creates the pictures of the README in host-sim/assets: frames, the window and the report of the recording `street`.
+// Creates the images of the README in host-sim/assets: frames, the viewer and the report of the recording `street`.
 //
 //   SMR_HOST_SIM=target/release/host-sim node core/web/tests/images.mjs
 

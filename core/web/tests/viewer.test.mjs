@@ -22,12 +22,12 @@ const host = (...args) => spawnSync(HOST_SIM, args, { encoding: "utf8", maxBuffe
 const hasFfmpeg = () => spawnSync("ffmpeg", ["-version"]).status === 0;
 const why = !hasBrowser() ? "no chromium" : !HOST_SIM ? "SMR_HOST_SIM does not name host-sim" : host("view", "--help").status !== 0 ? "host-sim has no view" : null;
 if (why !== null) {
-  console.log(`skipped: window: ${why}`);
+  console.log(`skipped: viewer: ${why}`);
 }
 
 before(() => {
   if (why === null) {
-    folder = mkdtempSync(join(tmpdir(), "smr-window-"));
+    folder = mkdtempSync(join(tmpdir(), "smr-viewer-"));
     mkdirSync(PACKAGE, { recursive: true });
     assert.equal(host("convert", "synthetic", "--out", "clip.y4m").status, 0);
     browser = new Browser();
@@ -65,8 +65,8 @@ async function served(words) {
   return { server, address: JSON.parse(line).address };
 }
 
-// Runs a test on a new window, which must write no errors to the console and send requests to host-sim only.
-function onWindow(name, run, { words = ["clip.y4m"], ...options } = {}) {
+// Runs a test on a new viewer, which must write no errors to the console and send requests to host-sim only.
+function onViewer(name, run, { words = ["clip.y4m"], ...options } = {}) {
   test(name, { skip: why ?? false }, async (context) => {
     rmSync(join(folder, SESSION), { force: true });
     const { server, address } = await served(words);
@@ -146,14 +146,14 @@ async function keys(page, ...all) {
 async function shoot(page, name, width) {
   await page.size(width, await page.value(`document.documentElement.scrollHeight`));
   await new Promise((resolve) => setTimeout(resolve, 400));
-  writeFileSync(join(PACKAGE, `window-${name}.png`), await page.picture());
+  writeFileSync(join(PACKAGE, `viewer-${name}.png`), await page.picture());
 }
 
 const boxes = async (page, format) => page.value(`fetch("boxes?format=${format}").then((answer) => answer.text())`);
 const parsed = (text) => text.trim().split("\n").map((line) => JSON.parse(line));
 
 for (const scheme of ["light", "dark"]) {
-  onWindow(`a box that is dragged is followed and played at once, in the ${scheme}, and the line that is shown repeats it`, async (page) => {
+  onViewer(`a box that is dragged is followed and played at once, in the ${scheme}, and the line that is shown repeats it`, async (page) => {
     assert.match(await page.text("place"), /^frame 1 of 240/);
     await dragBox(page, BOX);
     await page.until(`Number(document.getElementById("place").value.split(" ")[1]) > 20`);
@@ -167,7 +167,7 @@ for (const scheme of ["light", "dark"]) {
   }, { scheme });
 }
 
-onWindow("a drag in a later frame is a correction, which is moved, resized, removed, undone and done again", async (page) => {
+onViewer("a drag in a later frame is a correction, which is moved, resized, removed, undone and done again", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX);
   await goTo(page, 50);
@@ -199,7 +199,7 @@ onWindow("a drag in a later frame is a correction, which is moved, resized, remo
   await page.until(`Number(document.getElementById("place").value.split(" ")[1]) > 1`);
 });
 
-onWindow("while a target is added, every drag draws it, also one that begins in the box of another", async (page) => {
+onViewer("while a target is added, every drag draws it, also one that begins in the box of another", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX);
   await commands(page, /--init 36,24,24,28 --method/);
@@ -211,7 +211,7 @@ onWindow("while a target is added, every drag draws it, also one that begins in 
   await commands(page, /--init target1=36,24,24,28 --init target2=45,31,30,30 --method/);
 });
 
-onWindow("a target that is lost is said to be, and a box over it locks again", async (page) => {
+onViewer("a target that is lost is said to be, and a box over it locks again", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX);
   await followedAll(page);
@@ -224,7 +224,7 @@ onWindow("a target that is lost is said to be, and a box over it locks again", a
   await commands(page, new RegExp(`@${lost.frame} --method paper`));
 }, { words: ["clip.y4m", "--method", "paper"] });
 
-onWindow("with other settings all is followed again, and the line that is shown has them", async (page) => {
+onViewer("with other settings all is followed again, and the line that is shown has them", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX);
   await page.select("reach", "6");
@@ -239,7 +239,7 @@ onWindow("with other settings all is followed again, and the line that is shown 
   assert.deepEqual(parsed(await boxes(page, "json")), parsed(host("track", "clip.y4m", "--init", BOX.join(), "--method", "paper", "--config", "camera", "--json").stdout));
 }, { words: ["clip.y4m", "--set", "size=off"] });
 
-onWindow("390 pixels wide, with a finger and with keys alone, several targets", async (page) => {
+onViewer("390 pixels wide, with a finger and with keys alone, several targets", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX, "swipe");
   await commands(page, /--init 36,24,24,28 /);
@@ -262,7 +262,7 @@ onWindow("390 pixels wide, with a finger and with keys alone, several targets", 
   await shoot(page, "narrow", 390);
 }, { width: 390, height: 844 });
 
-onWindow("a box is moved and resized by keys and at its edges, stays inside, and is followed by a part that is enlarged", async (page) => {
+onViewer("a box is moved and resized by keys and at its edges, stays inside, and is followed by a part that is enlarged", async (page) => {
   await page.click("#plays");
   await page.drag(await place(page, 120, 82), await place(page, 170, 50));
   await commands(page, /--init 120,50,40,32 --method/);
@@ -288,7 +288,7 @@ onWindow("a box is moved and resized by keys and at its edges, stays inside, and
   await page.until(`/,20,20 --method/.test(document.getElementById("track").textContent)`);
 });
 
-onWindow("a tracked box is corrected where it is pulled, at its edges too", async (page) => {
+onViewer("a tracked box is corrected where it is pulled, at its edges too", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX);
   await followedAll(page);
@@ -301,7 +301,7 @@ onWindow("a tracked box is corrected where it is pulled, at its edges too", asyn
   await commands(page, new RegExp(`--init ${x + 5},${y + 3},${width + 10},${height + 5}@40`));
 });
 
-onWindow("a target that is gone has no box until it is back, and the line that is shown repeats it", async (page) => {
+onViewer("a target that is gone has no box until it is back, and the line that is shown repeats it", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX);
   await followedAll(page);
@@ -324,7 +324,7 @@ onWindow("a target that is gone has no box until it is back, and the line that i
   await commands(page, /--init 36,24,24,28 --method/);
 });
 
-onWindow("a frame is found by its number, by its time and by a look at the timeline, and enlarged by wheel, keys and fingers", async (page) => {
+onViewer("a frame is found by its number, by its time and by a look at the timeline, and enlarged by wheel, keys and fingers", async (page) => {
   const go = (words) => page.value(`{ const field = document.getElementById("go"); field.value = "${words}"; field.dispatchEvent(new Event("change")); }`);
   await go("120");
   await isAt(page, 120);
@@ -364,7 +364,7 @@ onWindow("a frame is found by its number, by its time and by a look at the timel
   }
 });
 
-onWindow("a box that is refused is taken back, and why is said", async (page) => {
+onViewer("a box that is refused is taken back, and why is said", async (page) => {
   await page.click("#plays");
   await dragBox(page, [10, 10, 0, 20]);
   await says(page, "said", /The box has no pixels/);
@@ -395,7 +395,7 @@ const SLOW = `{
   };
 }`;
 
-onWindow("playing waits for the answers of the chosen target, and goes on with them", async (page) => {
+onViewer("playing waits for the answers of the chosen target, and goes on with them", async (page) => {
   await dragBox(page, BOX);
   await page.until(`document.getElementById("loading").textContent === "Waiting for target1 in frame 30" && !document.getElementById("loading").hidden`);
   await isAt(page, 29);
@@ -406,7 +406,7 @@ onWindow("playing waits for the answers of the chosen target, and goes on with t
   await page.until(`Number(document.getElementById("place").value.split(" ")[1]) > 40`);
 }, { prepare: SLOW });
 
-onWindow("a redo and a rename later, a new target has an id and boxes of its own, and after a restart, too", async (page, { server }) => {
+onViewer("a redo and a rename later, a new target has an id and boxes of its own, and after a restart, too", async (page, { server }) => {
   await page.click("#plays");
   await dragBox(page, BOX);
   await page.call("Input.dispatchKeyEvent", { type: "keyDown", key: "z", code: "KeyZ", modifiers: 2, windowsVirtualKeyCode: 90 });
@@ -441,7 +441,7 @@ onWindow("a redo and a rename later, a new target has an id and boxes of its own
   again.server.kill();
 });
 
-onWindow("a box on something else asks what it is for, and undo takes the question back first", async (page) => {
+onViewer("a box on something else asks what it is for, and undo takes the question back first", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX);
   await followedAll(page);
@@ -473,7 +473,7 @@ onWindow("a box on something else asks what it is for, and undo takes the questi
   await commands(page, /--init 120,80,20,20@40 --method/);
 });
 
-onWindow("esc closes the help and the menu, and ? opens the help", async (page) => {
+onViewer("esc closes the help and the menu, and ? opens the help", async (page) => {
   const help = `document.getElementById("help").matches(":popover-open")`;
   await page.key("?");
   await page.until(help);
@@ -495,7 +495,7 @@ const dropped = (page, name, type, content) => page.value(`{
   document.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
 }`);
 
-onWindow("a dropped recording says where it belongs, a message ends with the next step, and events follow the frame", async (page) => {
+onViewer("a dropped recording says where it belongs, a message ends with the next step, and events follow the frame", async (page) => {
   await page.click("#plays");
   await dropped(page, "my clip.mp4", "video/mp4", "new Uint8Array(99)");
   await says(page, "said", /^my clip\.mp4 has pictures, not boxes: .* host-sim view 'my clip\.mp4'$/);
@@ -518,7 +518,7 @@ onWindow("a dropped recording says where it belongs, a message ends with the nex
   }
 });
 
-onWindow("boxes are saved, in a format that has names if there are several targets", async (page) => {
+onViewer("boxes are saved, in a format that has names if there are several targets", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX);
   await commands(page, /28 --method/);
@@ -542,7 +542,7 @@ onWindow("boxes are saved, in a format that has names if there are several targe
   await says(page, "made", new RegExp(`^${partial} holds 2,561 of 15,000 frames`));
 });
 
-onWindow("a live picture goes on, waits while a box is drawn, is followed, and can be looked through", async (page) => {
+onViewer("a live picture goes on, waits while a box is drawn, is followed, and can be looked through", async (page) => {
   const number = `parseInt(document.getElementById("place").value.split(" ")[1])`;
   await page.until(`${number} > 10`);
   const [from, to] = [await place(page, 60, 40), await place(page, 90, 70)];
@@ -562,9 +562,9 @@ onWindow("a live picture goes on, waits while a box is drawn, is followed, and c
   await says(page, "said", /^Stopped/);
 }, { words: ["-"] });
 
-onWindow("a film and a report are made, and say where they are", async (page, { context }) => {
+onViewer("a film and a report are made, and say where they are", async (page, { context }) => {
   if (!hasFfmpeg()) {
-    console.log("skipped: window: a film: no ffmpeg");
+    console.log("skipped: viewer: a film: no ffmpeg");
     context.skip("no ffmpeg");
     return;
   }
@@ -580,7 +580,7 @@ onWindow("a film and a report are made, and say where they are", async (page, { 
   await says(page, "firmware", /Config/);
 });
 
-onWindow("another window of the same host-sim has the same targets", async (page, { address }) => {
+onViewer("another page of the same host-sim has the same targets", async (page, { address }) => {
   await dragBox(page, BOX);
   await commands(page, /28 --method/);
   await followedAll(page);
@@ -588,7 +588,7 @@ onWindow("another window of the same host-sim has the same targets", async (page
   await other.until(`document.getElementById("track") !== null`);
   await other.until(`/36,24,24,28/.test(document.getElementById("track").textContent)`);
   await other.until(`document.querySelector("#targets .now").textContent === "tracking"`);
-  // A box drawn in one window appears in the other, in which the user can draw the next box.
+  // A box drawn in one page appears in the other, in which the user can draw the next box.
   await other.click("#plays");
   await other.click("#add");
   await dragBox(other, [100, 60, 30, 30]);
@@ -601,7 +601,7 @@ onWindow("another window of the same host-sim has the same targets", async (page
   await other.close();
 });
 
-test("when host-sim has ended, the window says so; opened again, it shows what was drawn where the user was", { skip: why ?? false }, async () => {
+test("when host-sim has ended, the viewer says so; opened again, it shows what was drawn where the user was", { skip: why ?? false }, async () => {
   rmSync(join(folder, SESSION), { force: true });
   const { server, address } = await served(["clip.y4m"]);
   const page = await browser.page(address);

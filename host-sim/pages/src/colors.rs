@@ -10,7 +10,7 @@ pub(crate) const BLACK: Color = [0; 3];
 pub(crate) const PAPER: Color = [24; 3];
 pub(crate) const GRID: Color = [90; 3];
 
-/// Box colors of targets, as in the window and the page: `build.rs` reads them from the front end's colors.js.
+/// Box colors of targets, as in the viewer and the page: `build.rs` reads them from the front end's colors.js.
 const TARGETS: &[Color] = include!(concat!(env!("OUT_DIR"), "/targets.rs"));
 
 /// Returns the color of the target `id`. Ids begin at 1.
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn window_page_and_video_have_one_palette() {
+    fn viewer_page_and_video_have_one_palette() {
         let css = |name: &str, [red, green, blue]: Color| format!("--{name}: rgb({red} {green} {blue})");
         for (name, state) in [("leaving", State::Leaving), ("lost", State::Lost)] {
             assert!(crate::front_end::STYLES[1].contains(&css(name, color_of(state))), "{name} in the dark");

@@ -5,18 +5,18 @@
 
 use crate::encode::base64;
 
-/// JavaScript modules as (file name, text): index 0 for the window (page of `host-sim view`), index 1 for the report.
+/// JavaScript modules as (file name, text): index 0 for the viewer (page of `host-sim view`), index 1 for the report.
 const MODULES: [&[(&str, &str)]; 2] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
-const WINDOW: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/viewer.html"));
+const VIEWER: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/viewer.html"));
 /// A glossary of the terms on the pages, as the items of an HTML list.
 pub const WORDS: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/words.html"));
 pub const STYLES: [&str; 2] =
     [include_str!("report/base.css"), include_str!(concat!(env!("SMR_FRONT_END"), "/page.css"))];
-const WINDOW_STYLE: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/viewer.css"));
+const VIEWER_STYLE: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/viewer.css"));
 
 /// Returns the HTML page of `host-sim view`, with `scripts` as its last elements.
-pub fn window(scripts: &str) -> String {
-    WINDOW.replace("{{style}}", &(STYLES.concat() + WINDOW_STYLE)).replace("{{scripts}}", scripts)
+pub fn viewer(scripts: &str) -> String {
+    VIEWER.replace("{{style}}", &(STYLES.concat() + VIEWER_STYLE)).replace("{{scripts}}", scripts)
 }
 
 pub fn module(name: &str) -> Option<&'static str> {

@@ -31,7 +31,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::str::FromStr;
 
-/// Replays recordings through smr-core: tracks, checks, measures, shows. `host-sim SEQ` opens a recording in the window. `host-sim` alone
+/// Replays recordings through smr-core: tracks, checks, measures, shows. `host-sim SEQ` opens a recording in the viewer. `host-sim` alone
 /// follows the target of a built-in recording and shows it on a page.
 ///
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM, PAM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with --size), `-`

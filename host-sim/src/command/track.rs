@@ -56,7 +56,7 @@ pub struct Track {
     /// (`| head`), host-sim still finishes the video.
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
-    /// The ids of the targets in the window of `view`, which orders the video: they select the colors
+    /// The ids of the targets in the viewer of `view`, which orders the video: they select the colors
     #[arg(long, hide = true, value_delimiter = ',')]
     ids: Vec<usize>,
     #[command(flatten)]

@@ -13,7 +13,7 @@ use smr_files::output::complain;
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::viewer::{
-    Camera, Followed, Growing, Job, Lock, Made, Requests, Server, Session, Source, Target, Window, Work, check_inside,
+    Camera, Followed, Growing, Job, Lock, Made, Requests, Server, Session, Source, Target, Viewer, Work, check_inside,
 };
 use smr_recordings::annotations;
 use smr_recordings::{BUILT_IN, FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
@@ -110,7 +110,7 @@ impl View {
         let server = Server::bind()?;
         let address = server.address();
         let words = self.words();
-        let window = Window {
+        let viewer = Viewer {
             name,
             size: (first.width, first.height),
             words: shell::line(words.iter().map(OsString::as_os_str)),
@@ -128,7 +128,7 @@ impl View {
         if !self.no_open && made.door(&address).and_then(|door| Ok(open::that_detached(door)?)).is_err() {
             complain("note: no browser could be opened: open the address above yourself");
         }
-        window.serve(server)?;
+        viewer.serve(server)?;
         Ok(Outcome::Holds)
     }
 
@@ -253,12 +253,12 @@ impl Requests for Desk {
         variant_of(method, options)
     }
 
-    fn boxes(&self, window: &Window, format: &str) -> Result<(String, Vec<u8>)> {
+    fn boxes(&self, viewer: &Viewer, format: &str) -> Result<(String, Vec<u8>)> {
         let Ok(format) = Format::from_str(format, true) else {
             let all: Vec<_> = Format::value_variants().iter().map(choice_name).collect();
             bail!("{format:?} is no format of boxes: expected one of {}", all.join(", "));
         };
-        let (Window { followed, .. }, known, is_live) = (window, window.known(), window.source.live().is_some());
+        let (Viewer { followed, .. }, known, is_live) = (viewer, viewer.known(), viewer.source.live().is_some());
         let targets = followed.rows();
         ensure!(
             targets.len() == 1 || format.has_names(),
@@ -267,7 +267,7 @@ impl Requests for Desk {
         );
         let is_named = targets.len() > 1;
         let about = About {
-            name: window.name.clone(),
+            name: viewer.name.clone(),
             origin: followed.variant().origin(),
             targets: targets.iter().map(|(target, _)| is_named.then(|| target.name.clone())).collect(),
             pictures: self.pictures.clone(),
@@ -285,7 +285,7 @@ impl Requests for Desk {
                 let time = known.times.get(frame - 1).copied().or_else(|| row?.time);
                 let report = row.map(|row| &row.report);
                 let quality = row.and_then(|row| row.quality);
-                text += &printer.line(&Answer { target, frame, time, size: window.size, report, quality })?;
+                text += &printer.line(&Answer { target, frame, time, size: viewer.size, report, quality })?;
             }
         }
         text += &printer.foot()?;
@@ -296,11 +296,11 @@ impl Requests for Desk {
             Some(all) => format!("-{reached}-of-{all}-frames"),
             None => format!("-{reached}-frames"),
         };
-        Ok((file(&window.name, &so_far, ending), text.into_bytes()))
+        Ok((file(&viewer.name, &so_far, ending), text.into_bytes()))
     }
 
-    fn made(&self, window: &Window, ending: &str) -> Result<Job> {
-        let Window { name, source, followed, .. } = window;
+    fn made(&self, viewer: &Viewer, ending: &str) -> Result<Job> {
+        let Viewer { name, source, followed, .. } = viewer;
         let is_kept = source.live().is_none();
         ensure!(is_kept, "the frames of a camera are not kept: record it with ffmpeg, and view the file");
         let targets: Vec<Target> = followed.targets().into_iter().filter(|target| !target.locks.is_empty()).collect();

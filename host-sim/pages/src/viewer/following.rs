@@ -1,4 +1,4 @@
-//! Runs the window's trackers in a thread and stores their answers: a [`Segment`] holds a target's answers from one
+//! Runs the viewer's trackers in a thread and stores their answers: a [`Segment`] holds a target's answers from one
 //! lock (a box that the user drew) to the next. A correction creates one segment; unused segments are kept for undo.
 //!
 //! The thread reads from the earliest frame that lacks an answer; after a lock in an earlier frame, it starts again

@@ -1,4 +1,4 @@
-//! The window of `host-sim view`: a page, served to this machine only, on which the user tracks and corrects targets.
+//! The viewer of `host-sim view`: a page, served to this machine only, on which the user tracks and corrects targets.
 //!
 //! ```text
 //! page  -- targets, requests -->  routes  -->  following: a thread that reads frames and asks the trackers
@@ -24,7 +24,7 @@ pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target, check_inside};
 pub use made::{Job, Made};
 pub use recording::Growing;
-pub use routes::{Requests, Window};
+pub use routes::{Requests, Viewer};
 pub use server::Server;
 pub use session::{Session, Work};
 
@@ -40,7 +40,7 @@ fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A source of frames for the window: a recording or a camera. Frame numbers start at 1.
+/// A source of frames for the viewer: a recording or a camera. Frame numbers start at 1.
 pub trait Source: Send + Sync {
     /// Returns the count of frames known so far and the list of their times in seconds. Neither ever gets shorter.
     fn known(&self) -> Known;

@@ -1,4 +1,4 @@
-//! HTTP routes of the window: the page, its modules, frames, news, and the user's requests.
+//! HTTP routes of the viewer: the page, its modules, frames, news, and the user's requests.
 
 use super::change_log::TargetSpan;
 use super::following::{Changes, Followed, Lock, Row, Target, check_inside};
@@ -30,15 +30,15 @@ pub trait Requests: Send + Sync {
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
 
     /// Returns the name and the content of a file with the boxes of all targets.
-    fn boxes(&self, window: &Window, format: &str) -> Result<(String, Vec<u8>)>;
+    fn boxes(&self, viewer: &Viewer, format: &str) -> Result<(String, Vec<u8>)>;
 
     /// Returns the command line that writes a video with boxes (`mp4`, ...) or the report (`html`).
-    fn made(&self, window: &Window, ending: &str) -> Result<Job>;
+    fn made(&self, viewer: &Viewer, ending: &str) -> Result<Job>;
 
     fn firmware(&self, variant: &Variant) -> String;
 }
 
-pub struct Window {
+pub struct Viewer {
     pub name: String,
     pub size: (u16, u16),
     /// Command-line arguments that name the source and its options.
@@ -51,7 +51,7 @@ pub struct Window {
     pub session: Session,
 }
 
-impl Window {
+impl Viewer {
     /// Runs the trackers and serves the page until the program ends.
     pub fn serve(self, server: Server) -> Result<()> {
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
@@ -88,7 +88,7 @@ impl Window {
         Ok(match (posts, first, rest) {
             (false, "", "") => {
                 let script = "<script type=\"module\" src=\"page/viewer.js\"></script>";
-                Reply::new("text/html; charset=utf-8", front_end::window(script))
+                Reply::new("text/html; charset=utf-8", front_end::viewer(script))
             }
             (false, "page", name) => match front_end::module(name) {
                 Some(text) => Reply::new("text/javascript; charset=utf-8", text),

@@ -1,4 +1,4 @@
-//! A window's session: the user's targets, method and shown frame, saved as JSON beside the recording at each change.
+//! A viewer's session: the user's targets, method and shown frame, saved as JSON beside the recording at each change.
 
 use super::{Target, lock};
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -35,7 +35,7 @@ impl Work {
     }
 }
 
-/// The saved work of a window. It replaces only the file that this window has last read or written, byte for byte;
+/// The saved work of a viewer. It replaces only the file that this viewer has last read or written, byte for byte;
 /// beside any other file, it takes a name that no file has.
 pub struct Session {
     recording: String,
@@ -46,7 +46,7 @@ struct SavedWork {
     work: Work,
     /// Path of the session file; `None` if the work is not saved.
     path: Option<PathBuf>,
-    /// Content of the file as this window last read or wrote it.
+    /// Content of the file as this viewer last read or wrote it.
     bytes: Option<Vec<u8>>,
     /// True if the file's work stays: the first change keeps the file under another name before replacing it.
     is_set_aside: bool,
@@ -57,7 +57,7 @@ struct SavedWork {
 #[derive(PartialEq)]
 enum There {
     Nothing,
-    /// The file that this window has last read or written.
+    /// The file that this viewer has last read or written.
     Own,
     /// Any other file, or one that is read-only.
     Other,
@@ -106,7 +106,7 @@ impl Session {
         kept.work.ids
     }
 
-    /// Stores the number of the shown frame, and saves it if the file is still as this window last read or wrote it.
+    /// Stores the number of the shown frame, and saves it if the file is still as this viewer last read or wrote it.
     /// Returns a message for the user, if there is one.
     pub(super) fn shows(&self, frame: usize) -> Option<String> {
         let mut kept = lock(&self.kept);
@@ -150,7 +150,7 @@ impl SavedWork {
                 let names = numbered(&path);
                 let name = written_as(names, &bytes)?;
                 let said = format!(
-                    "{} is not the file of this window: the work is kept in {}",
+                    "{} is not the file of this viewer: the work is kept in {}",
                     path.display(),
                     name.display()
                 );
@@ -162,7 +162,7 @@ impl SavedWork {
         Ok(said)
     }
 
-    /// Writes the file `path`, if there is none or if it is this window's own; returns `None` otherwise. Returns the
+    /// Writes the file `path`, if there is none or if it is this viewer's own; returns `None` otherwise. Returns the
     /// new name of the former file, if its work stays.
     fn replace(&self, path: &Path, bytes: &[u8]) -> Result<Option<Option<PathBuf>>> {
         if self.there() == There::Other {
@@ -290,7 +290,7 @@ mod tests {
         let said = first.keep(|work| work.frame = None).unwrap();
         assert_eq!(
             said,
-            format!("{} is not the file of this window: the work is kept in {}", file.display(), own.display())
+            format!("{} is not the file of this viewer: the work is kept in {}", file.display(), own.display())
         );
         assert_eq!((first.keep(|work| work.frame = Some(2)), second.keep(|work| work.frame = Some(3))), (None, None));
         assert_eq!(
@@ -300,7 +300,7 @@ mod tests {
         assert_eq!((fs::read(&file).unwrap() == there, names(folder.path()).len()), (false, 3));
     }
 
-    /// Puts something in the place of the session file while a window is open: the window must not touch it.
+    /// Puts something in the place of the session file while a viewer is open: the viewer must not touch it.
     #[test]
     fn what_another_has_put_there_stays() {
         let folder = tempfile::tempdir().unwrap();

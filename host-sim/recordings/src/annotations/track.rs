@@ -15,7 +15,7 @@ pub(super) struct Entry {
 pub(super) enum Seen {
     Box(BoundingBox),
     Gone,
-    /// A tracker's answer, which the window computes again.
+    /// A tracker's answer, which the viewer computes again.
     Answer,
 }
 

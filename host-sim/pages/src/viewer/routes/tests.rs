@@ -13,11 +13,11 @@ impl Requests for Nothing {
         Ok(variant())
     }
 
-    fn boxes(&self, _: &Window, format: &str) -> Result<(String, Vec<u8>)> {
+    fn boxes(&self, _: &Viewer, format: &str) -> Result<(String, Vec<u8>)> {
         bail!("{format} is no format")
     }
 
-    fn made(&self, _: &Window, ending: &str) -> Result<Job> {
+    fn made(&self, _: &Viewer, ending: &str) -> Result<Job> {
         bail!("{ending} is no ending")
     }
 
@@ -30,10 +30,10 @@ fn variant() -> Variant {
     Variant::new(MethodKind::Robust, &robust::Config::robust().into())
 }
 
-fn window() -> Window {
+fn viewer() -> Viewer {
     let (source, sequence) = Growing::open(Path::new(synthetic::NAME), OpenOptions::default()).unwrap();
     let source: Arc<dyn Source> = Arc::new(source);
-    Window {
+    Viewer {
         name: sequence.name,
         size: (120, 90),
         words: synthetic::NAME.to_owned(),
@@ -46,7 +46,7 @@ fn window() -> Window {
     }
 }
 
-impl Window {
+impl Viewer {
     fn replied(&self, posts: bool, address: &str, body: &str) -> (u16, String) {
         let (path, query) = address.split_once('?').unwrap_or((address, ""));
         let (path, query, body) = (path.to_owned(), query.to_owned(), body.as_bytes().to_vec());
@@ -85,8 +85,8 @@ const EXTREMES: [&str; 24] = [
 
 #[test]
 fn numbers_at_the_ends_of_every_type_are_refused_with_words() {
-    let window = window();
-    let (followed, source) = (Arc::clone(&window.followed), Arc::clone(&window.source));
+    let viewer = viewer();
+    let (followed, source) = (Arc::clone(&viewer.followed), Arc::clone(&viewer.source));
     let following = thread::spawn(move || followed.run(source.as_ref()));
     let gets = [
         "frames/N.jpg",
@@ -127,18 +127,18 @@ fn numbers_at_the_ends_of_every_type_are_refused_with_words() {
         for number in EXTREMES {
             let (address, body) = (address.replace('N', number), body.replace('N', number));
             let begin = Instant::now();
-            let (status, said) = window.replied(posts, &address, &body);
+            let (status, said) = viewer.replied(posts, &address, &body);
             assert!([200, 400, 404].contains(&status) && !said.is_empty(), "{address} {body}: {status} {said}");
             assert!(begin.elapsed() < Duration::from_secs(2), "{address} {body}: {:?}", begin.elapsed());
-            window.replied(false, "news?wait=0&since=0", "");
+            viewer.replied(false, "news?wait=0&since=0", "");
         }
     }
     for number in EXTREMES.into_iter().filter(|number| *number != "+1") {
         let expected = (404, "there is no such frame, or it is not kept any more".to_owned());
-        assert_eq!(window.replied(false, &format!("frames/{number}.jpg"), ""), expected, "{number}");
+        assert_eq!(viewer.replied(false, &format!("frames/{number}.jpg"), ""), expected, "{number}");
     }
-    assert_eq!(window.replied(false, &format!("frames/{}.jpg", synthetic::LENGTH), "").0, 200);
-    assert_eq!(window.replied(true, "targets", &target(good)).0, 200, "it still runs");
-    window.followed.stop();
+    assert_eq!(viewer.replied(false, &format!("frames/{}.jpg", synthetic::LENGTH), "").0, 200);
+    assert_eq!(viewer.replied(true, "targets", &target(good)).0, 200, "it still runs");
+    viewer.followed.stop();
     following.join().unwrap();
 }
