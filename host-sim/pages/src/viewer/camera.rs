@@ -5,7 +5,8 @@
 //! the last seconds gets every frame from there on, until it has caught up.
 
 use super::frame_cache::FrameCache;
-use super::{Known, LiveState, SIDE, Source, lock};
+use super::lock;
+use super::source::{Known, LiveState, SIDE, Source};
 use crate::encode;
 use anyhow::{Result, anyhow, bail};
 use smr_files::messages;

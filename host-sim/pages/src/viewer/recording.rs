@@ -2,7 +2,8 @@
 //! resolution; frames soon after the last decoded one need no seek. A recording is reopened when its file has grown.
 
 use super::frame_cache::FrameCache;
-use super::{Known, SIDE, Source, lock};
+use super::lock;
+use super::source::{Known, SIDE, Source};
 use crate::encode;
 use anyhow::Result;
 use smr_recordings::{ColorFrame, Frames, INNER, OpenOptions, Seekable, Sequence};

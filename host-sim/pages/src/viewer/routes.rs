@@ -1,10 +1,11 @@
 //! HTTP routes of the viewer: the page, its modules, frames, news, and the user's requests.
 
-use super::change_log::TargetSpan;
-use super::following::{Changes, Followed, Lock, Row, Target, check_inside};
+use super::answers::{Changes, Followed, Row};
 use super::made::{Job, Made};
+use super::model::{Lock, Target, TargetSpan, check_inside};
 use super::server::{Reply, Request, Server};
-use super::{Known, Session, Source};
+use super::session::Session;
+use super::source::{Known, Source};
 use crate::export::boxes::{Format, rounded};
 use crate::{encode, front_end};
 use anyhow::{Context, Result, bail};

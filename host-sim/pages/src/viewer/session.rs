@@ -1,6 +1,7 @@
 //! A viewer's session: the user's targets, method and shown frame, saved as JSON beside the recording at each change.
 
-use super::{Target, lock};
+use super::lock;
+use super::model::Target;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -253,7 +254,7 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::viewer::Lock;
+    use crate::viewer::model::Lock;
 
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<_> =

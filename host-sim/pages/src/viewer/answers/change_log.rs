@@ -1,21 +1,8 @@
 //! A log in which each change has a position, a running number. A page polls with the last position that it has seen,
 //! and gets the later changes.
 
+use super::super::model::TargetSpan;
 use std::collections::VecDeque;
-
-/// A range of a target's frames, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct TargetSpan {
-    pub target: u32,
-    pub from: usize,
-    pub to: usize,
-}
-
-impl TargetSpan {
-    pub const fn all(target: u32) -> Self {
-        Self { target, from: 1, to: usize::MAX }
-    }
-}
 
 /// Largest number of discarded frame ranges in the log; a page that has missed older ones reloads everything.
 const MAX_VOID: usize = 1000;
@@ -23,7 +10,7 @@ const MAX_MESSAGES: usize = 4;
 
 /// The log of all changes except new answers; each answer is stored with its own position.
 #[derive(Default)]
-pub(super) struct ChangeLog {
+pub struct ChangeLog {
     end: u64,
     /// Position of the last change of the targets.
     pub targets: u64,

@@ -1,0 +1,112 @@
+//! Targets as the user drew them: each with its locks, the frames with a box of the user.
+
+use anyhow::{Result, ensure};
+use serde::{Deserialize, Serialize};
+use smr_core::Rect;
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Target {
+    /// Identifier assigned by the page, never reused for another target.
+    pub id: u32,
+    pub name: String,
+    pub locks: Vec<Lock>,
+}
+
+/// A frame in which the user drew the target's box, or from which on the target is gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lock {
+    pub frame: usize,
+    /// Left, top, width and height in whole pixels; `None`: the target is gone until its next box.
+    #[serde(rename = "box", deserialize_with = "Option::deserialize")]
+    pub bbox: Option<(i32, i32, u16, u16)>,
+}
+
+impl Target {
+    /// Numbers targets from 1. Errors: A box has no pixels.
+    pub fn numbered(given: Vec<smr_recordings::Target>) -> Result<Vec<Self>> {
+        let target = |(id, given): (u32, smr_recordings::Target)| {
+            let locks = given.rects()?.into_iter().map(|(frame, rect)| Lock::new(frame, rect)).collect();
+            Ok(Self { id, name: given.name.unwrap_or_else(|| "target".to_owned()), locks })
+        };
+        (1..).zip(given).map(target).collect()
+    }
+
+    /// True if two pages gave the same id to different targets, which share neither name nor lock.
+    pub(super) fn is_another(&self, other: &Self) -> bool {
+        self.id == other.id
+            && self.name != other.name
+            && !other.locks.is_empty()
+            && !self.locks.iter().any(|lock| other.locks.contains(lock))
+    }
+}
+
+impl Lock {
+    pub fn new(frame: usize, rect: Option<Rect>) -> Self {
+        Self { frame, bbox: rect.map(|Rect { x, y, width, height }| (x, y, width, height)) }
+    }
+
+    pub fn rect(&self) -> Option<Rect> {
+        self.bbox.map(|(x, y, width, height)| Rect { x, y, width, height })
+    }
+}
+
+/// Returns an error if the box of a lock is not wholly inside frames of this width and height; empty boxes pass.
+pub fn check_inside<'a>(locks: impl IntoIterator<Item = &'a Lock>, (width, height): (u16, u16)) -> Result<()> {
+    let frame = Rect { x: 0, y: 0, width, height };
+    for (rect, number) in locks.into_iter().filter_map(|lock| Some((lock.rect()?, lock.frame))) {
+        let Rect { x, y, width: wide, height: high } = rect;
+        ensure!(
+            rect.is_empty() || rect.intersection(frame) == rect,
+            "the box {x},{y},{wide},{high} in frame {number} is not wholly inside {width}x{height} pixels"
+        );
+    }
+    Ok(())
+}
+
+/// Returns the first and the last frame of the range in which a target's answers can differ between the lists of locks
+/// `old` and `new`; `None` if the lists are equal.
+pub(super) fn differing(old: &[Lock], new: &[Lock]) -> Option<(usize, usize)> {
+    let same = old.iter().zip(new).take_while(|(old, new)| old == new).count();
+    let (old, new) = (&old[same..], &new[same..]);
+    let from = old.iter().chain(new).map(|lock| lock.frame).min()?;
+    let behind = old.iter().rev().zip(new.iter().rev()).take_while(|(old, new)| old == new).count();
+    Some((from, if behind == 0 { usize::MAX } else { new[new.len() - behind].frame - 1 }))
+}
+
+/// A range of a target's frames, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct TargetSpan {
+    pub target: u32,
+    pub from: usize,
+    pub to: usize,
+}
+
+impl TargetSpan {
+    pub const fn all(target: u32) -> Self {
+        Self { target, from: 1, to: usize::MAX }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_differs_between_two_lists_of_locks() {
+        let lock = |frame| Lock { frame, bbox: Some((1, 1, 9, 9)) };
+        let locks = |frames: &[usize]| frames.iter().map(|&frame| lock(frame)).collect::<Vec<_>>();
+        for (old, new, part) in [
+            (&[1, 9][..], &[1, 9][..], None),
+            (&[], &[3], Some((3, usize::MAX))),
+            (&[1, 9], &[1, 5, 9], Some((5, 8))),
+            (&[1, 5, 9], &[1, 9], Some((5, 8))),
+            (&[1, 9], &[1], Some((9, usize::MAX))),
+            (&[2, 9], &[1, 9], Some((1, 8))),
+        ] {
+            assert_eq!(differing(&locks(old), &locks(new)), part, "{old:?} {new:?}");
+        }
+        let mut moved = locks(&[1, 5, 9]);
+        moved[1].bbox = None;
+        assert_eq!(differing(&locks(&[1, 5, 9]), &moved), Some((5, 8)));
+    }
+}
