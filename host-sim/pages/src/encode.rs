@@ -1,10 +1,11 @@
-//! Encodes frames as PNG, JPEG and PGM, and bytes as base64 for HTML pages.
+//! Encodes frames as PNG, JPEG and PGM, and bytes and numbers for HTML pages.
 
 use crate::colors::Color;
 use anyhow::Result;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use jpeg_encoder::{ColorType, Encoder};
+use serde_json::Value;
 use smr_recordings::{ColorFrame, GrayFrame, Raster, Scalable, resized};
 use std::ops::Range;
 
@@ -106,6 +107,15 @@ pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
 
 pub(crate) fn base64(bytes: &[u8]) -> String {
     STANDARD.encode(bytes)
+}
+
+/// Rounds a number of a page to `digits` decimals. An integral value is written without a fraction, which is shorter.
+pub(crate) fn rounded(value: f64, digits: i32) -> Value {
+    let unit = 10_f64.powi(digits);
+    let value = (value * unit).round() / unit;
+    #[allow(clippy::cast_possible_truncation)] // compared with what it came from
+    let whole = value as i64;
+    if whole as f64 == value { whole.into() } else { value.into() }
 }
 
 #[cfg(test)]

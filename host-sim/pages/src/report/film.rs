@@ -4,11 +4,16 @@ use super::player_frames::Pictures;
 use super::search::{self, Observation, ObservedTracker};
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
-use smr_core::Rect;
-use smr_evaluation::{Contestant, Evaluation, Follower, MethodKind, Refused, Report, ResultFile, Score, Variant, lock};
+use smr_core::{Rect, State};
+use smr_evaluation::{
+    CORRECT, Contestant, Evaluation, Follower, MethodKind, Refused, Report, ResultFile, Score, Variant, lock, overlaps,
+};
 use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, Frame, FrameRange, GrayFrame, Sequence, Target};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+
+/// Minimum number of wrong frames in a row after which a method counts as having left the target.
+const MIN_FAILURE_FRAMES: usize = 10;
 
 pub struct Film {
     pub name: String,
@@ -263,6 +268,23 @@ impl Film {
         self.moments.iter().map(|moment| moment.reports[method].target).collect()
     }
 
+    /// Returns the first frame of the longest run of frames in which `other` is wrong and `best` correct, and true if
+    /// `other` is *lost* in most of the run. Frames that hide the target do not end a run. `None` if the run is shorter
+    /// than `MIN_FAILURE_FRAMES`, or without ground truth. Errors: Ground truth of another length than the film.
+    pub(super) fn longest_failure(&self, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
+        let Some(truth) = &self.truth else { return Ok(None) };
+        let of = |method: usize| overlaps(&self.trajectory(method), truth);
+        let (best, right) = (of(best)?, of(other)?);
+        let (mut longest, mut span) = (0..0, 0..0);
+        for (index, (best, other)) in best.iter().zip(&right).enumerate() {
+            let (Some(best), Some(other)) = (best, other) else { continue };
+            span = if *best > CORRECT && *other <= CORRECT { span.start..index + 1 } else { index + 1..index + 1 };
+            longest = if span.len() > longest.len() { span.clone() } else { longest };
+        }
+        let lost = longest.clone().filter(|index| self.moments[*index].reports[other].state == State::Lost).count();
+        Ok((longest.len() >= MIN_FAILURE_FRAMES).then_some((longest.start, 2 * lost > longest.len())))
+    }
+
     pub(super) fn truth_at(&self, index: usize) -> Option<BoundingBox> {
         self.truth.as_ref().and_then(|truth| *truth.get(index)?)
     }
@@ -271,7 +293,6 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use smr_core::State;
     use smr_core::paper::Config;
     use smr_evaluation::Configs;
     use smr_recordings::{OpenOptions, synthetic};

@@ -10,14 +10,11 @@ use anyhow::{Result, ensure};
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, context};
 use smr_core::{Rect, State};
-use smr_evaluation::{CORRECT, Evaluation, name_of, overlaps};
+use smr_evaluation::{Evaluation, name_of};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
 const PAGE: &str = include_str!("page.html");
-
-/// Minimum number of wrong frames in a row after which a method counts as having left the target.
-const MIN_FAILURE_FRAMES: usize = 10;
 
 /// Title of the page, and the command line and options for its footer.
 pub struct About {
@@ -105,30 +102,13 @@ fn lead(film: &Film) -> Result<Option<String>> {
         titled(film, best, SENTENCE) + &format!(" follows the target in {all} {visible} frames that show it");
     for other in (0..film.methods.len()).filter(|method| *method != best) {
         let _ = write!(said, "; {} in {}", titled(film, other, SENTENCE), correct(other));
-        if let Some((index, is_lost)) = longest_failure(film, best, other)? {
+        if let Some((index, is_lost)) = film.longest_failure(best, other)? {
             let place = film.clock(index).unwrap_or_else(|| format!("frame {}", index + film.first));
             let _ = write!(said, ": {} at {place}", if is_lost { "it loses it" } else { "it goes astray" });
         }
     }
     let mut letters = said.chars();
     Ok(letters.next().map(|first| first.to_uppercase().to_string() + letters.as_str() + "."))
-}
-
-/// Returns the first frame of the longest run of frames in which `other` is wrong and `best` correct, and true if
-/// `other` is *lost* in most of the run. Frames that hide the target do not end a run. `None` if the run is shorter
-/// than `MIN_FAILURE_FRAMES`, or without ground truth. Errors: Ground truth of another length than the film.
-pub(super) fn longest_failure(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
-    let Some(truth) = &film.truth else { return Ok(None) };
-    let of = |method: usize| overlaps(&film.trajectory(method), truth);
-    let (best, right) = (of(best)?, of(other)?);
-    let (mut longest, mut span) = (0..0, 0..0);
-    for (index, (best, other)) in best.iter().zip(&right).enumerate() {
-        let (Some(best), Some(other)) = (best, other) else { continue };
-        span = if *best > CORRECT && *other <= CORRECT { span.start..index + 1 } else { index + 1..index + 1 };
-        longest = if span.len() > longest.len() { span.clone() } else { longest };
-    }
-    let lost = longest.clone().filter(|index| film.moments[*index].reports[other].state == State::Lost).count();
-    Ok((longest.len() >= MIN_FAILURE_FRAMES).then_some((longest.start, 2 * lost > longest.len())))
 }
 
 /// Formats a target's locks as `car: 40x48 at (150, 100), gone in frame 200, 40x48 at (170, 90) in frame 300`.

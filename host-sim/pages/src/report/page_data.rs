@@ -2,10 +2,9 @@
 
 use super::difference::{BAR, BARS};
 use super::film::{Film, Locked, Moment};
-use super::page::longest_failure;
 use super::player_frames::Pictures;
 use super::trackers::{Entrant, TRUTH_LOOK, entrants};
-use crate::encode::base64;
+use crate::encode::{base64, rounded};
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use smr_evaluation::{Evidence, Report, centre_errors, name_of, overlaps};
@@ -23,7 +22,7 @@ fn recording(film: &Film) -> Result<Value> {
     let mut entrants = entrants(film).iter().map(|entrant| figures(film, entrant)).collect::<Result<Vec<_>>>()?;
     entrants.extend(film.truth.as_deref().map(truth_of));
     let margin = film.margin().min(film.overhang());
-    let failure = if film.methods.len() > 1 { longest_failure(film, 0, 1)? } else { None };
+    let failure = if film.methods.len() > 1 { film.longest_failure(0, 1)? } else { None };
     Ok(json!({
         "name": film.name,
         "width": film.size.0,
@@ -31,7 +30,7 @@ fn recording(film: &Film) -> Result<Value> {
         "margin": margin,
         "first": film.first,
         "frames": film.moments.len(),
-        "times": film.times.iter().any(Option::is_some).then(|| rounded(film.times.iter().copied(), 3)),
+        "times": film.times.iter().any(Option::is_some).then(|| all_rounded(film.times.iter().copied(), 3)),
         "parting": failure.map(|(index, _)| index + film.first),
         "targets": film.targets.iter().map(|target| target_of(film, target)).collect::<Vec<_>>(),
         "entrants": entrants,
@@ -61,7 +60,7 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
     let answers = &entrant.answers;
     let reports = |value: &dyn Fn(&Report) -> Option<f64>, digits: i32| {
         let values = entrant.method.map(|method| film.moments.iter().map(move |moment| value(&moment.reports[method])));
-        values.map(|values| rounded(values, digits)).filter(|values| values.iter().any(|value| !value.is_null()))
+        values.map(|values| all_rounded(values, digits)).filter(|values| values.iter().any(|value| !value.is_null()))
     };
     let evidence = |value: fn(&Evidence) -> Option<f64>| reports(&|report| report.evidence.as_ref().and_then(value), 3);
     let truth = film.truth.as_deref();
@@ -89,8 +88,8 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
         "boxes": boxes(answers),
         "lasts": lasts,
         "states": states,
-        "iou": iou.map(|iou| rounded(iou.into_iter(), 3)),
-        "error": error.map(|error| rounded(error.into_iter(), 1)),
+        "iou": iou.map(|iou| all_rounded(iou.into_iter(), 3)),
+        "error": error.map(|error| all_rounded(error.into_iter(), 1)),
         "confidence": evidence(|evidence| Some(evidence.confidence)),
         "ratio": evidence(|evidence| Some(evidence.ratio)),
         "runner_up": evidence(|evidence| evidence.runner_up_ratio),
@@ -112,24 +111,15 @@ fn boxes(of: &[Option<BoundingBox>]) -> Vec<Value> {
 
 /// Returns the square root of each box's area, in pixels.
 fn sizes(of: &[Option<BoundingBox>]) -> Vec<Value> {
-    rounded(of.iter().map(|bbox| bbox.map(|bbox| (bbox.width * bbox.height).max(0.0).sqrt())), 1)
+    all_rounded(of.iter().map(|bbox| bbox.map(|bbox| (bbox.width * bbox.height).max(0.0).sqrt())), 1)
 }
 
-fn rounded(values: impl Iterator<Item = Option<f64>>, digits: i32) -> Vec<Value> {
-    values.map(|value| value.map_or(Value::Null, |value| round(value, digits))).collect()
-}
-
-/// Rounds to `digits` decimals. An integral value is written without a fraction, which is shorter.
-pub(super) fn round(value: f64, digits: i32) -> Value {
-    let unit = 10_f64.powi(digits);
-    let value = (value * unit).round() / unit;
-    #[allow(clippy::cast_possible_truncation)] // compared with what it came from
-    let whole = value as i64;
-    if whole as f64 == value { whole.into() } else { value.into() }
+fn all_rounded(values: impl Iterator<Item = Option<f64>>, digits: i32) -> Vec<Value> {
+    values.map(|value| value.map_or(Value::Null, |value| rounded(value, digits))).collect()
 }
 
 fn of_box(bbox: Option<&BoundingBox>) -> Value {
     bbox.map_or(Value::Null, |bbox| {
-        [bbox.x, bbox.y, bbox.width, bbox.height].map(|side| round(side, 2)).to_vec().into()
+        [bbox.x, bbox.y, bbox.width, bbox.height].map(|side| rounded(side, 2)).to_vec().into()
     })
 }

@@ -1,9 +1,8 @@
 //! Small pictures of frames for the report's player, in a limited number of bytes: they get smaller, then fewer.
 
 use super::difference::{BARS, differences, patch};
-use super::page_data::round;
 use super::search::{Observation, Search};
-use crate::encode::{self, base64};
+use crate::encode::{self, base64, rounded};
 use anyhow::Result;
 use serde_json::{Value, json};
 use smr_recordings::{ColorFrame, GrayFrame, decode_colors};
@@ -97,7 +96,7 @@ fn comparison(observation: &Observation) -> Result<(Value, usize)> {
         "template": base64(&template),
         "map": base64(&map),
         "histogram": difference.histogram().map(|part| (part * 1000.0).round()).to_vec(),
-        "counting": alpha.map(|alpha| round(difference.counting(alpha), 3)),
+        "counting": alpha.map(|alpha| rounded(difference.counting(alpha), 3)),
     });
     // A bar of the histogram takes up to six characters.
     Ok((compared, (template.len() + map.len()).div_ceil(3) * 4 + 6 * BARS))
