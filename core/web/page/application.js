@@ -372,7 +372,7 @@ function follow() {
 function draw() {
   drawing ??= requestAnimationFrame(() => {
     drawing = null;
-    if (playback.picture !== undefined) {
+    if (playback.image !== undefined) {
       follow();
       drawFrame();
     }
@@ -405,7 +405,7 @@ function drawTrail(context, number, { boxAt, placed, color }) {
 const centre = ([x, y, width, height]) => [x + width / 2, y + height / 2];
 
 function drawFrame() {
-  const { picture, shown } = playback;
+  const { image, shown } = playback;
   const view = viewport.seen;
   const { chosen } = edits;
   const inOrder = [...edits.targets].sort((one, other) => (one === chosen) - (other === chosen));
@@ -419,7 +419,7 @@ function drawFrame() {
       edits.targets.forEach((target) => drawTrail(context, shown, { boxAt: trailOf(target), placed, color: target.color }));
     }
   };
-  drawStage(byId("stage"), { picture, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed, color });
+  drawStage(byId("stage"), { image, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed, color });
 }
 
 // Returns the events of a target. They are cached for a while, because computing those of an hour of frames is slow.
@@ -454,7 +454,7 @@ function drawReadings() {
     strips: edits.targets.map((target) => ({ name: nameOf(target), color: target.color, isChosen: target === chosen, states: (number) => answers.state(target.id, number) })),
     marks: chosen === null ? [] : events(chosen),
   });
-  preview.draw({ ...hovered, picture: playback.pictureOf(hovered.number), size: recording, timeOf });
+  preview.draw({ ...hovered, image: playback.imageOf(hovered.number), size: recording, timeOf });
   drawEvents(byId("events"), allEvents(), { timeOf, goTo: visit, chosen: shown });
   drawChosen(chosen);
   drawControls(chosen);
@@ -507,7 +507,7 @@ function drawControls(chosen) {
 function drawLoading() {
   const { isLoading, isWaiting, frame, shown } = playback;
   if (frame === shown) {
-    say("", "picture");
+    say("", "image");
   }
   loading = isLoading || isWaiting ? (loading ?? performance.now()) : null;
   const isLong = loading !== null && performance.now() - loading > LOADING_MS;
@@ -742,8 +742,8 @@ async function read(file) {
 
 function prepare() {
   playback = new Playback({
-    picture: (number) => source.picture(number), isLive: () => kind === "live", timeOf, speed: () => Number(byId("speed").value),
-    isHeld: () => proposed !== null, isAwaited, changed: draw, failed: ({ message }) => say(message, "picture"), marks: () => allEvents().map((event) => event.frame),
+    image: (number) => source.image(number), isLive: () => kind === "live", timeOf, speed: () => Number(byId("speed").value),
+    isHeld: () => proposed !== null, isAwaited, changed: draw, failed: ({ message }) => say(message, "image"), marks: () => allEvents().map((event) => event.frame),
     visited: (number) => source.place && trying(source.place(number)),
   });
   timeline = new Timeline(byId("timeline"), { goTo: visit, hover });

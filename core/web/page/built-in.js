@@ -25,8 +25,8 @@ export class BuiltIn {
     return { isBuiltIn: true };
   }
 
-  async picture(number) {
-    return (await this.#follower.ask("draw", { number })).picture;
+  async image(number) {
+    return (await this.#follower.ask("draw", { number })).image;
   }
 
   close() {}

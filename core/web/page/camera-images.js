@@ -1,10 +1,10 @@
-// Yields the pictures of a <video> as the browser shows them.
+// Yields the images of a <video> as the browser shows them.
 
 /**
- * Calls `seen({ time, missed })` for each picture: its time in seconds, and the count of pictures missed before it.
+ * Calls `seen({ time, missed })` for each image: its time in seconds, and the count of images missed before it.
  * Returns a function that stops the calls.
  */
-export function eachPicture(video, seen) {
+export function eachImage(video, seen) {
   return video.requestVideoFrameCallback === undefined ? byScreen(video, seen) : byVideo(video, seen);
 }
 

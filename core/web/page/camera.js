@@ -1,10 +1,10 @@
 // The webcam as a source of frames. A frame that arrives while the trackers are busy is dropped and counted.
 
 import { htmlNode } from "./dom.js";
-import { eachPicture } from "./camera-images.js";
+import { eachImage } from "./camera-images.js";
 
 const WANTED = { audio: false, video: { width: { ideal: 640 }, height: { ideal: 480 }, frameRate: { ideal: 60 }, facingMode: "environment" } };
-const MAX_BYTES = 96 << 20; // of pictures that are kept
+const MAX_BYTES = 96 << 20; // of images that are kept
 // One frame is tracked and one waits. A third one would only be late.
 const MAX_UNDER_WAY = 2;
 
@@ -23,7 +23,7 @@ export class Camera {
   #follower;
   #page;
   #video = htmlNode("video", { class: "decoder", playsinline: "" });
-  #kept = new Map(); // { picture, time it came } by number, the oldest first
+  #kept = new Map(); // { image, time it came } by number, the oldest first
   #dropped = 0;
   #sent = 0; // frames to the worker
   #underWay = 0;
@@ -54,11 +54,11 @@ export class Camera {
     video.srcObject.getVideoTracks()[0].addEventListener("ended", () => this.#page.failed("The camera was disconnected."));
   }
 
-  /** Starts to take pictures; resolves after the first one. */
+  /** Starts to take images; resolves after the first one. */
   async start() {
     await this.#follower.ask("clear");
     await new Promise((resolve) => {
-      this.#end = eachPicture(this.#video, ({ missed }) => this.#seen(missed).then(resolve));
+      this.#end = eachImage(this.#video, ({ missed }) => this.#seen(missed).then(resolve));
     });
   }
 
@@ -72,20 +72,20 @@ export class Camera {
     return { live: { oldest: this.oldest, newest: this.last, dropped: this.#dropped, latency_ms: performance.now() - time } };
   }
 
-  /** Returns no picture, because the worker has the frames already. */
+  /** Returns no image, because the worker has the frames already. */
   async frame() {
     return {};
   }
 
-  async picture(number) {
+  async image(number) {
     const kept = this.#kept.get(number);
     if (kept === undefined) {
       throw new Error(`Frame ${number} is not kept any more.`);
     }
-    return kept.picture;
+    return kept.image;
   }
 
-  /** Stops taking pictures, but keeps the last ones. */
+  /** Stops taking images, but keeps the last ones. */
   stop() {
     this.#isStopped = true;
     this.#end();
@@ -97,7 +97,7 @@ export class Camera {
 
   close() {
     this.stop();
-    this.#kept.forEach(({ picture }) => picture.close());
+    this.#kept.forEach(({ image }) => image.close());
     this.#kept.clear();
   }
 
@@ -118,16 +118,16 @@ export class Camera {
   }
 
   async #take(time) {
-    const seen = await pictureOf(this.#video);
+    const seen = await imageOf(this.#video);
     if (this.#isStopped) {
       seen.close();
       return;
     }
     const number = ++this.#sent;
-    const { picture } = await this.#follower.ask("keep", { number, picture: seen });
-    this.#keep(number, { picture: await createImageBitmap(picture), time });
-    picture.close();
-    // Two pictures may be copied at the same time, and the older one may finish last.
+    const { image } = await this.#follower.ask("keep", { number, image: seen });
+    this.#keep(number, { image: await createImageBitmap(image), time });
+    image.close();
+    // Two images may be copied at the same time, and the older one may finish last.
     this.last = Math.max(this.last, number);
     this.#page.came();
   }
@@ -135,13 +135,13 @@ export class Camera {
   #keep(number, kept) {
     this.#kept.set(number, kept);
     const oldest = number - Math.floor(MAX_BYTES / (4 * this.width * this.height));
-    this.#kept.get(oldest)?.picture.close();
+    this.#kept.get(oldest)?.image.close();
     this.#kept.delete(oldest);
   }
 }
 
-// Returns the current picture of a video: a VideoFrame, which shares the video's pixels, or else an ImageBitmap, a
+// Returns the current image of a video: a VideoFrame, which shares the video's pixels, or else an ImageBitmap, a
 // copy.
-async function pictureOf(video) {
+async function imageOf(video) {
   return typeof VideoFrame === "function" ? new VideoFrame(video) : createImageBitmap(video);
 }

@@ -24,7 +24,7 @@ export class Connection {
     return { ...source, version: `host-sim ${source.version}`, targets: source.targets.map(targetOf) };
   }
 
-  async picture(number) {
+  async image(number) {
     return createImageBitmap(await (await asked(`frames/${number}.jpg`)).blob());
   }
 

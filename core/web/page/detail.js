@@ -8,7 +8,7 @@ export class Detail {
   #came;
   #wanted = null; // the number of a frame and its part
   #timer = null;
-  #here = null; // { number, part, picture }
+  #here = null; // { number, part, image }
 
   /** `load(number, part)` fetches a frame's part { x, y, width, height } (whole pixels). Then `came()` is called. */
   constructor(load, came) {
@@ -33,14 +33,14 @@ export class Detail {
   draw(context, number, placed) {
     if (this.#here?.number === number) {
       context.imageSmoothingEnabled = false;
-      context.drawImage(this.#here.picture, ...placed(this.#here.part));
+      context.drawImage(this.#here.image, ...placed(this.#here.part));
     }
   }
 
   async #fetch(key, number, part) {
-    const picture = await this.#load(number, part).catch(() => null);
-    if (picture !== null && key === this.#wanted) {
-      this.#here = { number, part, picture };
+    const image = await this.#load(number, part).catch(() => null);
+    if (image !== null && key === this.#wanted) {
+      this.#here = { number, part, image };
       this.#came();
     }
   }

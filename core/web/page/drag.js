@@ -1,8 +1,8 @@
-// Lets the user draw, move and resize a box on the picture, by mouse, pen or finger, or by keys.
+// Lets the user draw, move and resize a box on the image, by mouse, pen or finger, or by keys.
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-// Number of presses of an arrow key that move a box by about the width of the picture.
+// Number of presses of an arrow key that move a box by about the width of the image.
 const STEPS = 64;
 // Distance in CSS pixels up to which a pointer grips an edge, larger for fingers.
 const REACH = { touch: 26, pen: 16 };

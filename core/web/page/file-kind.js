@@ -1,11 +1,11 @@
-// Tells recordings, whose bytes are pictures, from text with boxes.
+// Tells recordings, whose bytes are images, from text with boxes.
 
 const HEAD = 4096; // bytes
 // Excel saves some text as UTF-16: host-sim says what it expects instead.
 const isUtf16 = ([first, second]) => (first === 0xff && second === 0xfe) || (first === 0xfe && second === 0xff);
 const isText = (byte) => byte >= 32 || (byte >= 9 && byte <= 13) || byte === 27;
 
-/** True for a video, a picture or a folder: by its type, or by bytes at its start that are no text. */
+/** True for a video, an image or a folder: by its type, or by bytes at its start that are no text. */
 export async function isRecording(file) {
   if (/^(video|image)\//.test(file.type)) {
     return true;

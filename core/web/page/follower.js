@@ -14,10 +14,10 @@ export class Follower {
     };
   }
 
-  /** Sends the worker the request named `request`, with the fields `of`. A `picture` is transferred without a copy. */
+  /** Sends the worker the request named `request`, with the fields `of`. A `image` is transferred without a copy. */
   ask(request, of = {}) {
     const ticket = this.#tickets++;
-    this.#worker.postMessage({ request, ticket, ...of }, of.picture === undefined ? [] : [of.picture]);
+    this.#worker.postMessage({ request, ticket, ...of }, of.image === undefined ? [] : [of.image]);
     return new Promise((resolve, reject) => this.#waiting.set(ticket, { resolve, reject }));
   }
 

@@ -142,7 +142,7 @@ export class Following {
     const due = source === this.#source && frame !== null ? [...this.#targets.values()].filter(isDue) : [];
     const jobs = due.map((target) => ({ id: target.id, box: lockIn(target, number)?.box })).filter(({ box }) => box !== null);
     if (jobs.length === 0) {
-      frame?.picture?.close();
+      frame?.image?.close();
     }
     const refuse = ({ message }) => jobs.map(({ id }) => [id, { error: message }]);
     const answers = new Map(jobs.length === 0 ? [] : await this.#follower.ask("follow", { number, ...frame, jobs }).catch(refuse));

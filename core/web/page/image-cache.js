@@ -1,9 +1,9 @@
-// A loader and cache of the pictures of frames: loads requested ones, a few at a time, and keeps the last ones.
+// A loader and cache of the images of frames: loads requested ones, a few at a time, and keeps the last ones.
 
 const MAX_UNDER_WAY = 2;
 const MAX_BYTES = 96 << 20;
 
-export class Pictures {
+export class Images {
   #load;
   #came;
   #failed;
@@ -29,7 +29,7 @@ export class Pictures {
 
   end() {
     this.#wanted = null;
-    this.#kept.forEach((picture) => picture.close?.());
+    this.#kept.forEach((image) => image.close?.());
     this.#kept.clear();
   }
 
@@ -46,12 +46,12 @@ export class Pictures {
   async #fetch(number) {
     this.#underWay.add(number);
     try {
-      const picture = await this.#load(number);
+      const image = await this.#load(number);
       if (this.#wanted === null) {
-        picture.close?.();
+        image.close?.();
         return;
       }
-      this.#keep(number, picture);
+      this.#keep(number, image);
       this.#came(number);
     } catch (error) {
       this.#wanted = this.#wanted?.filter((one) => one !== number) ?? null;
@@ -62,9 +62,9 @@ export class Pictures {
     }
   }
 
-  #keep(number, picture) {
-    this.#kept.set(number, picture);
-    this.#bytes += bytesOf(picture);
+  #keep(number, image) {
+    this.#kept.set(number, image);
+    this.#bytes += bytesOf(image);
     for (const [other, old] of this.#kept) {
       if (this.#bytes <= MAX_BYTES) {
         return;

@@ -13,7 +13,7 @@ import { METHODS, TITLES } from "./methods.js";
 import { csv, json } from "./rows.js";
 import { VideoFile } from "./video-file.js";
 
-const MAX_WIDE = 1920; // pixels of a picture of a whole frame
+const MAX_WIDE = 1920; // pixels of an image of a whole frame
 const FORMATS = [{ name: "csv", several: true }, { name: "json", several: true }, { name: "record", several: true }];
 
 export class Local {
@@ -67,7 +67,7 @@ export class Local {
     return "";
   }
 
-  async picture(number) {
+  async image(number) {
     const whole = { x: 0, y: 0, width: this.#source.width, height: this.#source.height };
     return this.#cut(number, whole, Math.min(MAX_WIDE / whole.width, 1));
   }
@@ -172,12 +172,12 @@ export class Local {
   }
 
   async #cut(number, { x, y, width, height }, scale) {
-    const picture = await this.#source.picture(number);
+    const image = await this.#source.image(number);
     const [wide, high] = [Math.round(width * scale), Math.round(height * scale)];
     const canvas = new OffscreenCanvas(wide, high);
-    canvas.getContext("2d").drawImage(picture, x, y, width, height, 0, 0, wide, high);
+    canvas.getContext("2d").drawImage(image, x, y, width, height, 0, 0, wide, high);
     if (!this.#source.live) {
-      picture.close();
+      image.close();
     }
     return canvas.transferToImageBitmap();
   }

@@ -1,9 +1,9 @@
-// Playback of a source: plays, steps and jumps through frames, loads their pictures, and writes the frame number into
+// Playback of a source: plays, steps and jumps through frames, loads their images, and writes the frame number into
 // the page's address.
 
-import { Pictures } from "./image-cache.js";
+import { Images } from "./image-cache.js";
 
-const AHEAD = 12; // pictures that are loaded before they are played
+const AHEAD = 12; // images that are loaded before they are played
 const USUAL_RATE = 25; // frames a second, where the source does not say
 const ADDRESS_MS = 400; // browsers refuse an address that changes more often
 const LEAP = 10; // frames
@@ -19,18 +19,18 @@ export class Playback {
   last = 1;
   /** True if the page moves on to each new frame of a live source. */
   followsNewest = true;
-  #pictures;
+  #images;
   #page;
   #playing = null; // since when, and from which frame
   #writing = null;
-  #missing = null; // the number of the last picture that could not be loaded
+  #missing = null; // the number of the last image that could not be loaded
   #peeked = null; // the number of a frame that is looked at beside the one that is shown
 
   /**
-   * `page` has: picture(number), a promise for the frame's picture; isLive(); timeOf(number) in seconds or null;
-   * speed(), a factor; isHeld(), true while the picture must not change; isAwaited(number), true while playing must not
+   * `page` has: image(number), a promise for the frame's image; isLive(); timeOf(number) in seconds or null;
+   * speed(), a factor; isHeld(), true while the image must not change; isAwaited(number), true while playing must not
    * reach that frame; marks(), ascending numbers of frames to jump to. Playback calls changed() when the page must be
-   * drawn again; failed(error) when the requested picture cannot be loaded; and visited(number), which is optional, when
+   * drawn again; failed(error) when the requested image cannot be loaded; and visited(number), which is optional, when
    * the frame number has been written into the address.
    */
   constructor(page) {
@@ -39,19 +39,19 @@ export class Playback {
     addEventListener("hashchange", () => this.goTo(addressed() ?? this.frame));
   }
 
-  get picture() {
-    return this.pictureOf(this.shown);
+  get image() {
+    return this.imageOf(this.shown);
   }
 
-  pictureOf(number) {
-    return this.#pictures.get(number);
+  imageOf(number) {
+    return this.#images.get(number);
   }
 
   get isPlaying() {
     return this.#page.isLive() ? this.followsNewest : this.#playing !== null;
   }
 
-  /** True while the picture of the requested frame is loading. */
+  /** True while the image of the requested frame is loading. */
   get isLoading() {
     return this.frame !== this.shown && this.frame !== this.#missing && !this.#page.isHeld();
   }
@@ -70,20 +70,20 @@ export class Playback {
     [this.first, this.last] = [first, last];
   }
 
-  /** Drops all pictures and resets the playback, for another recording with the frames `first` to `last`. */
+  /** Drops all images and resets the playback, for another recording with the frames `first` to `last`. */
   forget(first, last) {
     [this.frame, this.shown, this.#playing, this.#missing, this.#peeked, this.followsNewest] = [null, null, null, null, null, true];
-    this.#pictures?.end();
-    const isHere = () => pictures === this.#pictures;
-    const pictures = new Pictures(this.#page.picture, (number) => isHere() && this.#came(number), (number, error) => isHere() && this.#missed(number, error));
-    this.#pictures = pictures;
+    this.#images?.end();
+    const isHere = () => images === this.#images;
+    const images = new Images(this.#page.image, (number) => isHere() && this.#came(number), (number, error) => isHere() && this.#missed(number, error));
+    this.#images = images;
     this.reach(first, last);
   }
 
   goTo(number) {
     this.frame = clamp(number, this.first, this.last);
     this.#want();
-    this.pictureOf(this.frame) === undefined ? this.#page.changed() : this.#show(this.frame);
+    this.imageOf(this.frame) === undefined ? this.#page.changed() : this.#show(this.frame);
   }
 
   /** Goes to a frame for the user, and stops playing. */
@@ -124,7 +124,7 @@ export class Playback {
     this.#playing = this.#playing && restarted(this.frame);
   }
 
-  /** Loads the picture of a frame for the preview, without showing the frame; null ends the preview. */
+  /** Loads the image of a frame for the preview, without showing the frame; null ends the preview. */
   peek(number) {
     this.#peeked = number;
     this.#want();
@@ -149,11 +149,11 @@ export class Playback {
   #want() {
     const count = this.#playing === null ? 1 : AHEAD;
     const ahead = Array.from({ length: count }, (_, by) => this.frame + by + 1).filter((one) => one <= this.last);
-    this.#pictures.want([...new Set([this.frame, ...ahead, this.shown, this.#peeked].filter((number) => number !== null))]);
+    this.#images.want([...new Set([this.frame, ...ahead, this.shown, this.#peeked].filter((number) => number !== null))]);
   }
 
-  // Handles a loaded picture. While the requested frame is loading, shows any picture that is nearer to it than the
-  // shown one. Shows a camera's first loaded picture even if a later frame is requested by then.
+  // Handles a loaded image. While the requested frame is loading, shows any image that is nearer to it than the
+  // shown one. Shows a camera's first loaded image even if a later frame is requested by then.
   #came(number) {
     const isNearer = this.shown === null ? this.#page.isLive() : Math.abs(number - this.frame) < Math.abs(this.shown - this.frame);
     if (number === this.frame || isNearer) {
@@ -163,7 +163,7 @@ export class Playback {
     }
   }
 
-  // Handles a picture that failed to load. At a camera's newest frame that is no error: the next picture follows soon.
+  // Handles an image that failed to load. At a camera's newest frame that is no error: the next image follows soon.
   #missed(number, error) {
     this.#missing = number;
     if (number === this.frame && !(this.#page.isLive() && this.followsNewest)) {
@@ -178,7 +178,7 @@ export class Playback {
     }
   }
 
-  // Shows each frame when it is due. If its picture or an awaited answer is late, playback slows down and skips no frame.
+  // Shows each frame when it is due. If its image or an awaited answer is late, playback slows down and skips no frame.
   #tick(now) {
     if (this.#playing === null) {
       return;
@@ -186,7 +186,7 @@ export class Playback {
     requestAnimationFrame((later) => this.#tick(later));
     const isDue = () => now >= this.#playing.since + (1000 * this.#duration(this.#playing.frame, this.frame + 1)) / this.#page.speed();
     const isHeld = this.#page.isHeld();
-    while (!isHeld && this.frame < this.last && isDue() && this.pictureOf(this.frame + 1) !== undefined && !this.isWaiting) {
+    while (!isHeld && this.frame < this.last && isDue() && this.imageOf(this.frame + 1) !== undefined && !this.isWaiting) {
       this.goTo(this.frame + 1);
     }
     if (isHeld || (this.frame < this.last && isDue())) {

@@ -1,4 +1,4 @@
-// The preview above the timeline: a small picture of the frame under the mouse.
+// The preview above the timeline: a small image of the frame under the mouse.
 
 import { htmlNode } from "./dom.js";
 import { placeOf } from "./events.js";
@@ -18,8 +18,8 @@ export class Preview {
     place.append(this.#box);
   }
 
-  /** Draws the preview of frame `number` near `x` (pixels); null hides it. Without `picture`, the former one stays. */
-  draw({ number, x, picture, size, timeOf }) {
+  /** Draws the preview of frame `number` near `x` (pixels); null hides it. Without `image`, the former one stays. */
+  draw({ number, x, image, size, timeOf }) {
     this.#box.hidden = number === null;
     if (number === null) {
       return;
@@ -27,9 +27,9 @@ export class Preview {
     const most = Math.max(this.#place.clientWidth - WIDTH, 0);
     this.#box.style.left = `${Math.min(Math.max(x - WIDTH / 2, 0), most)}px`;
     this.#words.textContent = placeOf(number, timeOf);
-    if (picture !== undefined) {
+    if (image !== undefined) {
       Object.assign(this.#canvas, { width: WIDTH, height: Math.round((WIDTH * size.height) / size.width) });
-      this.#canvas.getContext("2d").drawImage(picture, 0, 0, this.#canvas.width, this.#canvas.height);
+      this.#canvas.getContext("2d").drawImage(image, 0, 0, this.#canvas.width, this.#canvas.height);
     }
   }
 }

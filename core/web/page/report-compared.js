@@ -7,10 +7,10 @@ const HEIGHT = 170, LEFT = 56, RIGHT = 22, TOP = 10, BOTTOM = HEIGHT - 34;
 const LABELS = 8;
 
 /**
- * Shows what the `entrants` (methods) compared in frame `index` or, if it has no picture, in the last frame before it
+ * Shows what the `entrants` (methods) compared in frame `index` or, if it has no image, in the last frame before it
  * that has one. `data` describes the histograms: { bar: width of a bar in gray levels, bars: count of bars }.
  */
-export function drawComparisons({ first, pictures: { every, comparisons } }, entrants, index, { timeOf, data }) {
+export function drawComparisons({ first, images: { every, comparisons } }, entrants, index, { timeOf, data }) {
   const at = Math.floor(index / every);
   const kept = at * every;
   const all = comparisons[at];
@@ -33,10 +33,10 @@ function saidOf(compared, kept) {
 }
 
 function card({ entrant: { title, look }, template, map, counting }, isBelieved) {
-  const picture = (bytes, alt) => htmlNode("img", { src: `data:image/png;base64,${bytes}`, alt });
+  const image = (bytes, alt) => htmlNode("img", { src: `data:image/png;base64,${bytes}`, alt });
   const counts = counting === null ? "all pixels count" : `${Math.round(counting * 100)}% of the pixels count`;
   return htmlNode("figure", { class: "card" },
-    htmlNode("div", { class: "pair" }, picture(template, `template of ${title}`), picture(map, `differences of ${title}`)),
+    htmlNode("div", { class: "pair" }, image(template, `template of ${title}`), image(map, `differences of ${title}`)),
     htmlNode("figcaption", {}, sample(look), `${title}: ${counts}${isBelieved ? "" : ", not believed"}`));
 }
 

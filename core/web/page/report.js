@@ -38,7 +38,7 @@ let drawing = null;
 // Registered before the playback's own listener, so that the recording is open before the frame number is read.
 addEventListener("hashchange", () => open(addressed() ?? recording));
 const playback = new Playback({
-  picture, isLive: () => false, timeOf: (number) => timeOf(number), speed: () => Number(byId("speed").value), isHeld: () => false, isAwaited: () => false, changed: draw, failed: () => {},
+  image, isLive: () => false, timeOf: (number) => timeOf(number), speed: () => Number(byId("speed").value), isHeld: () => false, isAwaited: () => false, changed: draw, failed: () => {},
   marks: () => [...new Set(events.map(({ frame }) => frame))],
 });
 const visit = (number) => playback.visit(number);
@@ -49,8 +49,8 @@ const shown = () => recording.entrants.filter(({ name }) => !off.has(name));
 const withStates = () => shown().filter(({ states }) => states);
 const timeOf = (number) => recording.times?.[number - recording.first] ?? null;
 
-async function picture(number) {
-  const { every, frames } = recording.pictures;
+async function image(number) {
+  const { every, frames } = recording.images;
   const image = new Image();
   image.src = `data:image/jpeg;base64,${frames[Math.floor((number - recording.first) / every)]}`;
   await image.decode();
@@ -149,7 +149,7 @@ function draw() {
   if (byId("comparisons").closest("details").open) {
     drawComparisons(recording, shown(), index, { timeOf, data });
   }
-  drawing ??= requestAnimationFrame(drawPicture);
+  drawing ??= requestAnimationFrame(drawShown);
 }
 
 /** Returns [title, state] of the first MAX_STATES trackers in a frame, to display in its corner. */
@@ -159,9 +159,9 @@ function statesAt(index) {
   return [...all.map(({ short, states }) => [short, states[index] ?? "not begun"]), ...(truth?.boxes[index] === null ? [["target", "hidden"]] : [])];
 }
 
-function drawPicture() {
+function drawShown() {
   drawing = null;
-  if (playback.picture === undefined) {
+  if (playback.image === undefined) {
     return;
   }
   const { width, height, margin } = recording;
@@ -172,7 +172,7 @@ function drawPicture() {
     return x === undefined ? [] : [{ box: { x, y, width: wide, height: high }, color: onFrame, dash, isLast: boxes[index] === null }];
   };
   drawStage(byId("stage"), {
-    picture: playback.picture, size: { width, height }, view: { x: -margin, y: -margin, width: width + 2 * margin, height: height + 2 * margin },
+    image: playback.image, size: { width, height }, view: { x: -margin, y: -margin, width: width + 2 * margin, height: height + 2 * margin },
     boxes: shown().flatMap(boxed), words: stateWords(playback.shown, statesAt(index)),
   });
   byId("stage").dataset.frame = playback.shown;

@@ -11,7 +11,7 @@ const SHADOW = "rgb(0 0 0 / .55)";
 const LETTERS = 14, MIN_LETTERS = 11;
 const HANDLE = 9;
 const WIDE_HANDLE = 16; // for fingers
-// Least width of a picture's pixel, in canvas pixels, at which the picture is drawn unsmoothed to show its pixels.
+// Least width of an image's pixel, in canvas pixels, at which the image is drawn unsmoothed to show its pixels.
 const SMOOTH = 4;
 
 /** Draws `drawFrame`'s scene on a whole canvas of the page, at the screen's resolution. */
@@ -30,12 +30,12 @@ export function drawStage(canvas, scene) {
  * scene's own `words` are the parts { text, color } of the text in the corner. `proposed` is the box that the user
  * draws, or null.
  */
-export function drawFrame(context, { width, height }, { picture, size, view = { x: 0, y: 0, ...size }, under = () => {}, boxes, words = [], proposed = null, color = "#fff" }) {
+export function drawFrame(context, { width, height }, { image, size, view = { x: 0, y: 0, ...size }, under = () => {}, boxes, words = [], proposed = null, color = "#fff" }) {
   const scale = width / view.width;
   const placed = ({ x, y, width: wide, height: high }) => [(x - view.x) * scale, (y - view.y) * scale, wide * scale, high * scale];
   context.clearRect(0, 0, width, height);
-  context.imageSmoothingEnabled = (scale * size.width) / picture.width < SMOOTH;
-  context.drawImage(picture, ...placed({ x: 0, y: 0, ...size }));
+  context.imageSmoothingEnabled = (scale * size.width) / image.width < SMOOTH;
+  context.drawImage(image, ...placed({ x: 0, y: 0, ...size }));
   under(context, placed);
   for (const one of sharing(boxes.map((one) => ({ ...one, place: placed(one.box) })))) {
     drawBox(context, one);

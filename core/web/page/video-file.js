@@ -49,19 +49,19 @@ export class VideoFile {
 
   /** Decodes a frame for the trackers; null if the file ends before it. */
   async frame(number) {
-    const picture = await this.#followed.take(number);
-    if (picture === null) {
+    const image = await this.#followed.take(number);
+    if (image === null) {
       this.#end = number - 1;
     }
-    return picture && { picture };
+    return image && { image };
   }
 
-  async picture(number) {
-    const picture = await this.#seen.take(number);
-    if (picture === null) {
+  async image(number) {
+    const image = await this.#seen.take(number);
+    if (image === null) {
       throw new Error(`${this.name} ends before frame ${number}.`);
     }
-    return picture;
+    return image;
   }
 
   close() {

@@ -1,32 +1,32 @@
-// Decodes the pictures of a video file by number. If the browser skips a picture, the decoder seeks back to it.
+// Decodes the images of a video file by number. If the browser skips an image, the decoder seeks back to it.
 
 import { lacking } from "./codec.js";
 import { quoted } from "./command.js";
 import { htmlNode } from "./dom.js";
 
-// Assumed time in seconds from a picture to the next, until it is measured.
+// Assumed time in seconds from an image to the next, until it is measured.
 const LIKELY_STEP = 1 / 30;
-// Time between two pictures, as a multiple of the usual time, above which a picture may have been skipped.
+// Time between two images, as a multiple of the usual time, above which an image may have been skipped.
 const GAP = 1.5;
-// Longest time for which a picture is shown, as a multiple of the usual time; more than 1, because times are rounded.
+// Longest time for which an image is shown, as a multiple of the usual time; more than 1, because times are rounded.
 const SLACK = 1.25;
-// Ratio of the mean to the shortest time between pictures, above which a video's frames count as uneven.
+// Ratio of the mean to the shortest time between images, above which a video's frames count as uneven.
 const UNEVEN = 1.2;
 // Tolerance in seconds when times are compared: less than the resolution of times in files.
 const TIME_EPSILON = 0.0005;
-// Count of decoded pictures in the queue at which the video pauses.
+// Count of decoded images in the queue at which the video pauses.
 const MAX_WAITING = 3;
-// Playback rate, while pictures are taken from the queue fast enough.
+// Playback rate, while images are taken from the queue fast enough.
 const SPEED = 2;
-// Factor by which a skipped picture slows the playback, and count of pictures without a skip that undo one slowing.
+// Factor by which a skipped image slows the playback, and count of images without a skip that undo one slowing.
 const SLOWER = 0.8, PATIENCE = 10;
-// Lower bound of the product of all `SLOWER` factors: at a lower playback rate, seeking to each picture is faster.
+// Lower bound of the product of all `SLOWER` factors: at a lower playback rate, seeking to each image is faster.
 const MIN_PART = 0.3;
-// Longest wait for a picture after a seek (ms), and the largest numbers of such waits: `WAITS` while the old picture
-// may still be shown, `WAITS_FOR_ANY` while no picture is available.
+// Longest wait for an image after a seek (ms), and the largest numbers of such waits: `WAITS` while the old image
+// may still be shown, `WAITS_FOR_ANY` while no image is available.
 const LATE_MS = 150, WAITS = 2, WAITS_FOR_ANY = 100;
 
-function pictureOf(video) {
+function imageOf(video) {
   try {
     return new VideoFrame(video);
   } catch (error) {
@@ -45,18 +45,18 @@ export class Video {
   #failed;
   #address;
   #known; // about the file, also to another decoder of it
-  #tick = 0; // the handle of the next call for a picture
-  #mediaTime = 0; // of the picture that was shown last
-  #isEnding = true; // to play on gives no picture: before the first one that is asked for, and at the end
-  #last = null; // the picture that was taken last: { number, time }
+  #tick = 0; // the handle of the next call for an image
+  #mediaTime = 0; // of the image that was shown last
+  #isEnding = true; // to play on gives no image: before the first one that is asked for, and at the end
+  #last = null; // the image that was taken last: { number, time }
   #queue = []; // those that wait
-  #asked = null; // who waits for a picture: { number, resolve }
-  #taking = Promise.resolve(); // pictures, one after the other
+  #asked = null; // who waits for an image: { number, resolve }
+  #taking = Promise.resolve(); // images, one after the other
   #turn = Promise.resolve(); // seeks, one after the other
   #seeks = 0; // that are not done
   #stopped = new AbortController();
-  #part = 1; // of the speed, so that no picture is skipped
-  #unskipped = 0; // pictures since one was skipped
+  #part = 1; // of the speed, so that no image is skipped
+  #unskipped = 0; // images since one was skipped
 
   /** Calls `failed(text)` with the reason if the file ends early. Shares the data of `like`, a decoder of this file. */
   constructor(file, failed, like = null) {
@@ -66,13 +66,13 @@ export class Video {
     document.body.append(this.#video);
     this.#address = URL.createObjectURL(file);
     this.#known = like?.#known ?? {
-      isTimed: true, // pictures know their times
-      times: [], // of pictures, by number
-      counted: 0, // pictures from the first one on
+      isTimed: true, // images know their times
+      times: [], // of images, by number
+      counted: 0, // images from the first one on
       length: null,
-      start: null, // the time of the first picture
-      step: null, // from a picture to the next one, the shortest that was seen
-      mean: { step: LIKELY_STEP, count: 1 }, // over so many pictures from the first one on
+      start: null, // the time of the first image
+      step: null, // from an image to the next one, the shortest that was seen
+      mean: { step: LIKELY_STEP, count: 1 }, // over so many images from the first one on
     };
   }
 
@@ -124,7 +124,7 @@ export class Video {
     return times[number] ?? (times[counted] ?? this.#known.start - this.#pace) + (number - counted) * this.#pace;
   }
 
-  /** Returns the picture of a frame, a VideoFrame; null if the file ends before it. Frames in order need no seek. */
+  /** Returns the image of a frame, a VideoFrame; null if the file ends before it. Frames in order need no seek. */
   take(number) {
     this.#taking = this.#taking.then(() => {
       if (number > (this.#known.length ?? Infinity) || this.#stopped.signal.aborted) {
@@ -152,14 +152,14 @@ export class Video {
     URL.revokeObjectURL(this.#address);
   }
 
-  // Number of the picture that comes next without a seek; null at the end.
+  // Number of the image that comes next without a seek; null at the end.
   get #next() {
     return this.#queue[0]?.number ?? (this.#isEnding ? null : this.#last.number + 1);
   }
 
   #drop() {
     this.#video.pause();
-    this.#queue.splice(0).forEach(({ picture }) => picture.close());
+    this.#queue.splice(0).forEach(({ image }) => image.close());
   }
 
   #seek(number) {
@@ -168,8 +168,8 @@ export class Video {
     this.#alone(() => this.#show(number));
   }
 
-  #answer(picture) {
-    this.#asked?.resolve(picture);
+  #answer(image) {
+    this.#asked?.resolve(image);
     this.#asked = null;
   }
 
@@ -208,32 +208,32 @@ export class Video {
     this.#answer(null);
   }
 
-  // ---- pictures
+  // ---- images
 
-  // The last picture in the queue or, if it is empty, the last one taken.
+  // The last image in the queue or, if it is empty, the last one taken.
   get #ahead() {
     return this.#queue.at(-1) ?? this.#last;
   }
 
-  // Mean time in seconds from a picture to the next.
+  // Mean time in seconds from an image to the next.
   get #pace() {
     const { step, count } = this.#known.mean;
     return this.#known.counted <= count ? step : (this.#known.times[this.#known.counted] - this.#known.times[1]) / (this.#known.counted - 1);
   }
 
-  // Measures the start of the video and the time between its first two pictures.
+  // Measures the start of the video and the time between its first two images.
   async #measure() {
     await this.#alone(async () => {
       // The length of some files is known only after a seek to their end.
       if (this.#video.duration === Infinity) {
-        (await this.#pictureAt(1e9)).close();
+        (await this.#imageAt(1e9)).close();
       }
       const { duration } = this.#video;
-      const middle = await this.#pictureAt(duration / 2);
+      const middle = await this.#imageAt(duration / 2);
       // Timestamps should be in microseconds, but Firefox writes seconds.
-      this.#known.isTimed = middle.picture.timestamp > duration * 1e5;
+      this.#known.isTimed = middle.image.timestamp > duration * 1e5;
       middle.close();
-      const first = await this.#pictureAt(0);
+      const first = await this.#imageAt(0);
       this.#known.start = first.time;
       first.close();
       const second = await this.#after(first.time);
@@ -245,13 +245,13 @@ export class Video {
     });
   }
 
-  // Measures the mean time between pictures over longer and longer spans, because a file may round times to
-  // milliseconds. Each mean is precise enough to count the pictures of the next span.
+  // Measures the mean time between images over longer and longer spans, because a file may round times to
+  // milliseconds. Each mean is precise enough to count the images of the next span.
   async #average(start) {
     this.#known.mean = { step: this.#known.step, count: 1 };
     for (let count = 4; start + count * this.#known.mean.step < this.#video.duration; count *= 4) {
       const { step } = this.#known.mean;
-      const { time, close } = await this.#pictureAt(start + (count + 0.5) * step);
+      const { time, close } = await this.#imageAt(start + (count + 0.5) * step);
       close();
       const passed = Math.round((time - start) / step);
       this.#known.mean = { step: (time - start) / passed, count: passed };
@@ -297,13 +297,13 @@ export class Video {
 
   async #show(number) {
     const before = this.#known.times[number] === undefined ? this.#known.times[number - 1] : undefined;
-    const found = before === undefined ? await this.#pictureAt(number === 1 ? 0 : this.timeOf(number) + TIME_EPSILON) : await this.#after(before);
+    const found = before === undefined ? await this.#imageAt(number === 1 ? 0 : this.timeOf(number) + TIME_EPSILON) : await this.#after(before);
     this.#isEnding = false;
     found === null ? this.#end(number) : this.#add(found, number);
   }
 
-  /** Seeks to a time. Returns the picture there: { picture, time, close() }. */
-  async #pictureAt(time) {
+  /** Seeks to a time. Returns the image there: { image, time, close() }. */
+  async #imageAt(time) {
     const video = this.#video;
     video.pause();
     const before = this.#mediaTime;
@@ -321,7 +321,7 @@ export class Video {
     return found;
   }
 
-  // Waits for the shown picture and returns it: on a busy machine, a seek may end before the picture is available.
+  // Waits for the shown image and returns it: on a busy machine, a seek may end before the image is available.
   async #there() {
     for (let waits = 0; waits < WAITS_FOR_ANY && !this.#stopped.signal.aborted; waits++) {
       const found = this.#shown();
@@ -337,7 +337,7 @@ export class Video {
     return Promise.race([new Promise((resolve) => this.#video.requestVideoFrameCallback(resolve)), wait(LATE_MS)]);
   }
 
-  // True if `found` may still be from before the seek to `time`: not the picture at `time`, but the one at `before` or,
+  // True if `found` may still be from before the seek to `time`: not the image at `time`, but the one at `before` or,
   // as the browser may have played on, a neighbour. Always true if timestamps are not in microseconds.
   #isLate(found, before, time) {
     const step = this.#known.step ?? LIKELY_STEP;
@@ -345,31 +345,31 @@ export class Video {
     return !this.#known.isTimed || (!isThere && Math.abs(found.time - before) < GAP * step);
   }
 
-  // Returns the picture that the video element shows, and its time; null if there is none yet.
+  // Returns the image that the video element shows, and its time; null if there is none yet.
   #shown() {
-    const picture = pictureOf(this.#video);
-    if (picture === null) {
+    const image = imageOf(this.#video);
+    if (image === null) {
       return null;
     }
     if (this.#known.isTimed) {
-      this.#mediaTime = picture.timestamp / 1e6;
+      this.#mediaTime = image.timestamp / 1e6;
     }
-    return { picture, time: this.#mediaTime, close: () => picture.close() };
+    return { image, time: this.#mediaTime, close: () => image.close() };
   }
 
-  // Seeks to the picture after the one at `time`, and returns it; null if none is within reach (60 to 120 seconds).
+  // Seeks to the image after the one at `time`, and returns it; null if none is within reach (60 to 120 seconds).
   async #after(time) {
     const end = Math.min(this.#video.duration, time + 60);
     let reach = GAP * (this.#known.step ?? LIKELY_STEP);
-    let next = await this.#pictureAt(time + reach);
+    let next = await this.#imageAt(time + reach);
     while (next.time <= time + TIME_EPSILON && time + reach < end) {
       next.close();
       reach *= 2;
-      next = await this.#pictureAt(time + reach);
+      next = await this.#imageAt(time + reach);
     }
-    // If there is a picture between `time` and `next`, a seek to just before `next` finds it.
+    // If there is an image between `time` and `next`, a seek to just before `next` finds it.
     while (next.time - time > GAP * (this.#known.step ?? 0)) {
-      const before = await this.#pictureAt(next.time - TIME_EPSILON);
+      const before = await this.#imageAt(next.time - TIME_EPSILON);
       const isNext = before.time <= time + TIME_EPSILON;
       (isNext ? before : next).close();
       if (isNext) {
@@ -395,7 +395,7 @@ export class Video {
     });
   }
 
-  // Queues the picture that the browser shows during playback, or goes back if one was skipped.
+  // Queues the image that the browser shows during playback, or goes back if one was skipped.
   #played(found) {
     const passed = found.time - this.#ahead.time;
     if (passed > TIME_EPSILON && passed <= GAP * (this.#known.step ?? 0)) {
@@ -412,7 +412,7 @@ export class Video {
     }
   }
 
-  // Seeks back to the picture after the last queued one, because the browser has already reached `time`.
+  // Seeks back to the image after the last queued one, because the browser has already reached `time`.
   #goBack(time) {
     this.#video.pause();
     this.#alone(async () => {
@@ -442,7 +442,7 @@ export class Video {
 
   // ---- delivery
 
-  #add({ picture, time }, number) {
+  #add({ image, time }, number) {
     if (this.#known.times[number - 1] !== undefined) {
       this.#known.step = Math.min(this.#known.step ?? Infinity, Math.max(time - this.#known.times[number - 1], 2 * TIME_EPSILON));
     }
@@ -450,19 +450,19 @@ export class Video {
     if (number === this.#known.counted + 1) {
       this.#known.counted = number;
     }
-    this.#queue.push({ picture, time, number });
+    this.#queue.push({ image, time, number });
     if (this.#queue.length >= MAX_WAITING) {
       this.#video.pause();
     }
     this.#send();
   }
 
-  // Delivers the requested picture. Closes any queued before it, which come from an earlier seek.
+  // Delivers the requested image. Closes any queued before it, which come from an earlier seek.
   #send() {
     while (this.#asked !== null && this.#queue.length > 0) {
-      const { number, picture, time } = this.#queue.shift();
+      const { number, image, time } = this.#queue.shift();
       this.#last = { number, time };
-      number === this.#asked.number ? this.#answer(picture) : picture.close();
+      number === this.#asked.number ? this.#answer(image) : image.close();
     }
     if (this.#video.paused && this.#queue.length < MAX_WAITING - 1) {
       this.#roll();

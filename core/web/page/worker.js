@@ -64,29 +64,29 @@ const HANDLERS = {
     seen = new Frames();
   },
 
-  /** Stores the gray pixels of a camera's picture (VideoFrame or ImageBitmap), and sends the picture back. */
-  async keep({ number, picture }) {
-    const { data, ...size } = await grayOf(picture);
+  /** Stores the gray pixels of a camera's image (VideoFrame or ImageBitmap), and sends the image back. */
+  async keep({ number, image }) {
+    const { data, ...size } = await grayOf(image);
     seen.set(number, { data: data.slice(), ...size });
-    return { picture };
+    return { image };
   },
 
   async draw({ number }) {
     const { data, width, height } = built(number);
-    return { picture: await createImageBitmap(new ImageData(data, width, height)) };
+    return { image: await createImageBitmap(new ImageData(data, width, height)) };
   },
 
   /**
-   * Locks or updates targets in a frame: `picture` if given, else frame `number` of the built-in recording if
+   * Locks or updates targets in a frame: `image` if given, else frame `number` of the built-in recording if
    * `isBuiltIn`, else the stored frame `number`. A job { id, box } locks, a job { id } updates. Returns for each job a
    * pair of its id and { quality } of a lock, { answer } of an update, or { error }.
    */
-  async follow({ number, picture, isBuiltIn, jobs }) {
-    const frame = picture ? await grayOf(picture) : isBuiltIn ? built(number) : seen.get(number);
+  async follow({ number, image, isBuiltIn, jobs }) {
+    const frame = image ? await grayOf(image) : isBuiltIn ? built(number) : seen.get(number);
     if (frame === undefined) {
       throw new Error(`frame ${number} is not kept any more`);
     }
-    picture?.close();
+    image?.close();
     return jobs.map(({ id, box }) => [id, followed(id, frame, box)]);
   },
 
@@ -140,7 +140,7 @@ self.onmessage = ({ data: { request, ticket, ...of } }) => {
 async function respond(request, ticket, of) {
   try {
     const answer = await HANDLERS[request](of);
-    self.postMessage({ ticket, answer }, answer?.picture === undefined ? [] : [answer.picture]);
+    self.postMessage({ ticket, answer }, answer?.image === undefined ? [] : [answer.image]);
   } catch (error) {
     self.postMessage({ ticket, error: error.message });
   }

@@ -162,7 +162,7 @@ export class Page {
     return this.call("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value }] });
   }
 
-  async picture(whole = true) {
+  async image(whole = true) {
     const { data } = await this.call("Page.captureScreenshot", { format: "png", captureBeyondViewport: whole });
     return Buffer.from(data, "base64");
   }

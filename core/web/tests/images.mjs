@@ -13,7 +13,7 @@ import { PROJECT } from "./library.mjs";
 const HOST_SIM = process.env.SMR_HOST_SIM;
 const FRAME = 176;
 const SIZE = { width: 1120, height: 640 };
-// Frames of the first picture: the car is in front of a tree, behind it, beside another car, and near.
+// Frames of the first image: the car is in front of a tree, behind it, beside another car, and near.
 const FRAMES = [20, 75, 187, 260];
 
 const folder = mkdtempSync(join(tmpdir(), "smr-pictures-"));
@@ -31,7 +31,7 @@ async function shoot(address, name, until) {
   return page;
 }
 
-/** Script that joins the report's pictures of the frames in `FRAMES` into one picture, with two in each row. */
+/** Script that joins the report's images of the frames in `FRAMES` into one image, with two in each row. */
 const strip = `(async () => {
   const stage = document.getElementById("stage");
   const strip = document.createElement("canvas");

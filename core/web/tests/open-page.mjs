@@ -76,7 +76,7 @@ export function onPage(name, run, options) {
 export async function shoot(page, name, width) {
   await page.size(width, await page.value(`document.documentElement.scrollHeight`));
   await new Promise((resolve) => setTimeout(resolve, 400));
-  writeFileSync(join(PACKAGE, `page-${name}.png`), await page.picture());
+  writeFileSync(join(PACKAGE, `page-${name}.png`), await page.image());
 }
 
 /** Saves a file by the page's menu and returns its path. */

@@ -8,7 +8,7 @@ import { Connection } from "../page/connection.js";
 import { Edits, lockIn, nameOf, plainName } from "../page/edits.js";
 import { ENDED, Messages } from "../page/messages.js";
 import { doubtOf } from "../page/question.js";
-import { Pictures } from "../page/image-cache.js";
+import { Images } from "../page/image-cache.js";
 import { random } from "./library.mjs";
 
 const BOX = { x: 1, y: 2, width: 30, height: 40 };
@@ -301,26 +301,26 @@ test("pictures come two at a time, in the order in which they are wanted, and no
     asked.push(number);
     return new Promise((resolve, reject) => answer.set(number, { resolve, reject }));
   };
-  const picture = (number) => ({ width: 4096, height: 2048, close: () => closed.push(number) }); // 32 MB
-  const pictures = new Pictures(load, () => {}, (number, error) => missed.push([number, error.message]));
+  const image = (number) => ({ width: 4096, height: 2048, close: () => closed.push(number) }); // 32 MB
+  const images = new Images(load, () => {}, (number, error) => missed.push([number, error.message]));
   const come = async (number) => {
-    answer.get(number).resolve(picture(number));
+    answer.get(number).resolve(image(number));
     await new Promise(setImmediate);
   };
-  pictures.want([1, 2, 3, 4]);
+  images.want([1, 2, 3, 4]);
   assert.deepEqual(asked, [1, 2]);
-  pictures.want([9, 4, 1]);
+  images.want([9, 4, 1]);
   await come(2);
-  assert.deepEqual([asked, pictures.get(2).width], [[1, 2, 9], 4096]);
+  assert.deepEqual([asked, images.get(2).width], [[1, 2, 9], 4096]);
   await come(1);
   answer.get(9).reject(new Error("gone"));
   await new Promise(setImmediate);
   assert.deepEqual([asked, missed], [[1, 2, 9, 4], [[9, "gone"]]]);
   await come(4);
   assert.deepEqual(closed, []);
-  pictures.want([5, 1]);
+  images.want([5, 1]);
   await come(5);
-  assert.deepEqual([closed, pictures.get(2), pictures.get(1).width], [[2], undefined, 4096], "what is wanted stays");
+  assert.deepEqual([closed, images.get(2), images.get(1).width], [[2], undefined, 4096], "what is wanted stays");
 });
 
 test("a page asks for answers where there are many, and tells others' targets from its own", async () => {

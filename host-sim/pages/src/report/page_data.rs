@@ -34,7 +34,7 @@ fn recording(film: &Film) -> Result<Value> {
         "parting": failure.map(|(index, _)| index + film.first),
         "targets": film.targets.iter().map(|target| target_of(film, target)).collect::<Vec<_>>(),
         "entrants": entrants,
-        "pictures": film.pictures.as_ref().map(pictures),
+        "images": film.pictures.as_ref().map(pictures),
     }))
 }
 
