@@ -28,10 +28,10 @@ function add(address, places, parts, above) {
   const exported = [];
   const placeOf = (from) => add(new URL(from, address), places, parts, [...above, address.href]);
   const body = readFileSync(address, "utf8")
-    .replace(IMPORT, (_, names, from) => `const {${names.replace(/\s+/g, " ").replace(/ as /g, ": ")}} = ${placeOf(from)};\n`)
+    .replace(IMPORT, (_, names, from) => `const {${names.replace(/ as /g, ":").replace(/\s+/g, "")}}=${placeOf(from)};\n`)
     .replace(EXPORT_FROM, (_, names, from) => {
       const place = placeOf(from);
-      exported.push(...names.split(",").map((name) => `${name.trim()}: ${place}.${name.trim()}`));
+      exported.push(...names.split(",").map((name) => `${name.trim()}:${place}.${name.trim()}`));
       return "";
     })
     .replace(EXPORT, (_, name) => {
@@ -40,16 +40,17 @@ function add(address, places, parts, above) {
     })
     .replace(COMMENT, "")
     .replace(REMARK, "")
-    // Removes indentation, which is safe because no string spans lines.
+    // Removes indentation and empty lines, which is safe because no string spans lines.
     .replace(/^ +/gm, "")
+    .replace(/\n{2,}/g, "\n")
     // `import.meta` exists only in modules, but the worker of a page opened from disk cannot be a module.
     .replaceAll("import.meta.url", "self.location.href");
   const left = body.match(/^(?:import\s*[{"*\w]|export ).*/m);
   if (left !== null && !left[0].startsWith("import(")) {
     throw new Error(`${address.pathname}: cannot put this into one script: ${left[0]}`);
   }
-  const place = `module${places.size}`;
+  const place = `$${places.size}`;
   places.set(address.href, place);
-  parts.push(`const ${place} = (() => {\n${body}return {${exported.join(", ")}};\n})();\n`);
+  parts.push(`const ${place}=(() => {\n${body}return {${exported.join()}};\n})();\n`);
   return place;
 }
