@@ -185,12 +185,12 @@ for (const scheme of ["light", "dark"]) {
     const report = join(folder, `${scheme}.html`);
     assert.equal(host("report", "synthetic", "--frames", "1..3", "--method", "robust,paper", "--out", report).status, 0);
     const theirs = await browser.page(pathToFileURL(report).href, { scheme });
-    assert.deepEqual(await page.value(COLORS), await theirs.value(COLORS.replace("look-robust", "look-0").replace("look-smr", "look-1")));
+    assert.deepEqual(await page.value(COLORS), await theirs.value(COLORS.replace("look-robust", "look-0").replace("look-paper", "look-1")));
     await theirs.close();
   }, { scheme });
 }
 
-const COLORS = `["look-robust", "look-smr"].map((name) => {
+const COLORS = `["look-robust", "look-paper"].map((name) => {
   const node = document.body.appendChild(document.createElement("i"));
   node.className = name;
   const { color, ...style } = Object.fromEntries(["--c", "--line", "--dashes", "--tracking", "--leaving", "--lost", "--paper", "--ink", "--panel"]
