@@ -1,0 +1,264 @@
+// Draws the application: the frame with its boxes at most once per animation frame, text and charts less often.
+
+import { drawCommands } from "./command-lines.js";
+import { Detail } from "./detail.js";
+import { byId, inView } from "./dom.js";
+import { isGone, lockIn, nameOf } from "./edits.js";
+import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
+import { drawLimits } from "./exports.js";
+import { FRAMES, chartsOf, drawFigures } from "./figures.js";
+import { Graph } from "./graph.js";
+import { drawList } from "./list.js";
+import { Preview } from "./preview.js";
+import { drawStage } from "./stage.js";
+import { answers, app, boxIn, boxOf, say, size, targetOf, timeOf, whole, write } from "./state.js";
+import { Timeline } from "./timeline.js";
+
+const READINGS_MS = 80;
+const EVENTS_MS = 400;
+const LOADING_MS = 200; // a shorter wait is not worth a word
+const NEW_COLOR = "#fff";
+const TRAIL = 75; // the last frames through which the path of a target is drawn
+
+let [drawing, reading, loading] = [null, null, null];
+const happened = new Map(); // events by the id of a target
+let act; // the user's actions: { visit, choose, rename, remove }
+let detail, timeline, preview, graph, seesCurves;
+
+/** Makes what is drawn respond to the user. */
+export function prepareDrawing(actions) {
+  act = actions;
+  timeline = new Timeline(byId("timeline"), { goTo: act.visit, hover });
+  preview = new Preview(byId("timeline"));
+  graph = new Graph({ goTo: act.visit });
+  seesCurves = inView(byId("curves"), draw);
+}
+
+/** Drops what was drawn of the former recording. */
+export function forget() {
+  happened.clear();
+  detail = new Detail((number, part) => app.source.part(number, part), draw);
+}
+
+// Schedules a redraw: the frame at most once per animation frame, text and charts less often.
+export function draw() {
+  drawing ??= requestAnimationFrame(() => {
+    drawing = null;
+    if (app.playback.image !== undefined) {
+      follow();
+      drawFrame();
+    }
+  });
+  reading ??= setTimeout(() => {
+    reading = null;
+    drawReadings();
+  }, READINGS_MS);
+}
+
+// Moves an enlarged view so that the chosen target, or the box that is drawn by keys, stays visible.
+function follow() {
+  const { drag, edits, playback, proposed, viewport } = app;
+  const box = proposed ?? boxOf(edits.chosen)?.box;
+  if (viewport.zoom > 1 && box && !drag.isPointing && (playback.isPlaying || proposed !== null)) {
+    viewport.show(box);
+  }
+}
+
+function drawFrame() {
+  const { image, shown } = app.playback;
+  const view = app.viewport.seen;
+  const { chosen } = app.edits;
+  const inOrder = [...app.edits.targets].sort((one, other) => (one === chosen) - (other === chosen));
+  const color = (app.pulled === null ? chosen : targetOf(app.pulled.id))?.color ?? NEW_COLOR;
+  if (app.kind === "recorded" && view.width < app.recording.width) {
+    detail.want(shown, view, app.recording);
+  }
+  const under = (context, placed) => {
+    detail.draw(context, shown, placed);
+    if (byId("trail").checked) {
+      app.edits.targets.forEach((target) => drawTrail(context, shown, { boxAt: trailOf(target), placed, color: target.color }));
+    }
+  };
+  drawStage(byId("stage"), { image, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed: app.proposed, color });
+}
+
+function drawn(target) {
+  const found = boxOf(target);
+  const isChosen = target === app.edits.chosen;
+  // Omits a box that the user drags, because it is drawn separately at its new position.
+  if (found === null || (app.proposed !== null && app.pulled?.id === target.id)) {
+    return [];
+  }
+  const { box, state } = found;
+  const words = state === "tracking" ? nameOf(target) : `${nameOf(target)}: ${state}`;
+  return [{ box, color: target.color, words, isChosen, isLast: state === "lost", hasHandles: isChosen }];
+}
+
+function trailOf(target) {
+  const isThere = (found) => found !== null && found.state !== "lost";
+  return (number) => (isThere(boxIn(target, number)) ? boxIn(target, number).box : null);
+}
+
+/** Draws the path of a box's centre up to frame `number`. `placed(box)` converts a box to canvas pixels. */
+function drawTrail(context, number, { boxAt, placed, color }) {
+  const points = Array.from({ length: TRAIL }, (_, back) => boxAt(number - TRAIL + 1 + back)).map((box) => (box ? centre(placed(box)) : null));
+  context.setLineDash([]);
+  context.lineWidth = 2;
+  context.strokeStyle = color;
+  points.forEach((to, at) => {
+    const from = points[at - 1];
+    if (from && to) {
+      context.globalAlpha = at / TRAIL;
+      context.beginPath();
+      context.moveTo(...from);
+      context.lineTo(...to);
+      context.stroke();
+    }
+  });
+  context.globalAlpha = 1;
+}
+
+const centre = ([x, y, width, height]) => [x + width / 2, y + height / 2];
+
+// Returns the events of a target. They are cached for a while, because computing those of an hour of frames is slow.
+function events(target) {
+  const { id, locks } = target;
+  const version = answers.version(id);
+  const known = happened.get(id);
+  if (known !== undefined && known.version === version && known.locks === locks) {
+    return known.events;
+  }
+  if (known !== undefined && known.locks === locks && performance.now() - known.at < EVENTS_MS) {
+    setTimeout(draw, EVENTS_MS);
+    return known.events;
+  }
+  const found = { version, locks, events: eventsOf(answers.states(id), locks), at: performance.now() };
+  happened.set(id, found);
+  return found.events;
+}
+
+export function allEvents() {
+  const isNamed = app.edits.targets.length > 1;
+  const all = app.edits.targets.flatMap((target) => events(target).map((event) => (isNamed ? { ...event, name: nameOf(target) } : event)));
+  return all.sort((one, other) => one.frame - other.frame);
+}
+
+function drawReadings() {
+  const { edits, followed, hovered, kind, playback, recording } = app;
+  const { chosen } = edits;
+  const { first, last, shown } = playback;
+  drawTargets(chosen);
+  timeline.draw({
+    first, last, frame: shown ?? first, followed, timeOf,
+    strips: edits.targets.map((target) => ({ name: nameOf(target), color: target.color, isChosen: target === chosen, states: (number) => answers.state(target.id, number) })),
+    marks: chosen === null ? [] : events(chosen),
+  });
+  preview.draw({ ...hovered, image: playback.imageOf(hovered.number), size: recording, timeOf });
+  drawEvents(byId("events"), allEvents(), { timeOf, goTo: act.visit, chosen: shown });
+  drawChosen(chosen);
+  drawControls(chosen);
+  drawLimits(byId("files"), edits.targets.length);
+  drawCommands(byId("commands"), kind === "live" ? { track: "" } : { view: "", track: "", report: "-o report.html" }, recording, edits.targets);
+}
+
+function drawTargets(chosen) {
+  const { edits, playback } = app;
+  const named = edits.targets.map((target) => ({ ...target, name: nameOf(target) }));
+  drawList(byId("targets"), { ...act, targets: named, chosen });
+  edits.targets.forEach((target, at) => {
+    const state = isGone(target, playback.shown) ? "gone" : (answers.state(target.id, playback.shown) ?? "–");
+    write(byId("targets").children[at].querySelector(".now"), state);
+  });
+}
+
+const named = (number) => (number > app.playback.last ? "" : timeOf(number) === null ? String(number) : clock(timeOf(number)));
+
+function drawChosen(chosen) {
+  const { shown, first, last } = app.playback;
+  drawFigures(byId("figures"), app.recording.method, chosen === null ? undefined : answers.at(chosen.id, shown));
+  if (seesCurves() && shown !== null) {
+    const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
+    const charts = chartsOf(byId("curves"), app.recording.method, chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end));
+    graph.draw({ charts, first: end - FRAMES + 1, last: end, now: shown, named, timeOf });
+  }
+}
+
+function drawControls(chosen) {
+  const { isPlaying, shown, frame, first, last } = app.playback;
+  byId("newest").checked = app.playback.followsNewest;
+  write(byId("play"), isPlaying ? "❚❚" : "▶");
+  byId("play").setAttribute("aria-label", isPlaying ? "Pause" : "Play");
+  const isHere = lockIn(chosen, shown) !== undefined;
+  const isBegun = chosen !== null && chosen.locks[0].number < shown;
+  const off = { back: frame <= first, on: frame >= last, undo: !app.edits.canUndo && app.proposed === null, redo: !app.edits.canRedo, unlock: !isHere, gone: !isBegun, add: chosen === null, stop: app.hasEnded };
+  Object.entries(off).forEach(([id, isOff]) => (byId(id).disabled = isOff));
+  write(byId("gone"), isGone(chosen, shown) ? "Back here" : "Gone from here");
+  write(byId("whole"), `${app.viewport.zoom < 10 ? Number(app.viewport.zoom.toFixed(1)) : Math.round(app.viewport.zoom)}×`);
+  write(byId("place"), shown === null ? "" : placed(shown));
+  drawLoading();
+  const lost = chosen === null ? undefined : events(chosen).find((event) => event.kind === "lost" && event.frame <= shown && shown <= event.until);
+  write(byId("lost"), lost === undefined ? "" : `Lost since ${placeOf(lost.frame, timeOf)}. Drag a box over it to lock again.`);
+  byId("lost").hidden = lost === undefined;
+  write(byId("load"), load());
+  write(byId("about"), about());
+  byId("stage").setAttribute("aria-label", `Frame ${shown}, ${said(chosen)}`);
+}
+
+function drawLoading() {
+  const { isLoading, isWaiting, frame, shown } = app.playback;
+  if (frame === shown) {
+    say("", "image");
+  }
+  loading = isLoading || isWaiting ? (loading ?? performance.now()) : null;
+  const isLong = loading !== null && performance.now() - loading > LOADING_MS;
+  write(byId("loading"), isLong ? (isLoading ? `Loading frame ${frame}` : `Waiting for ${nameOf(app.edits.chosen)} in frame ${frame + 1}`) : "");
+  byId("loading").hidden = !isLong;
+  if (loading !== null && !isLong) {
+    setTimeout(draw, LOADING_MS);
+  }
+}
+
+function placed(number) {
+  const of = app.kind === "live" || app.recording.frames === null ? "" : ` of ${app.playback.last}`;
+  return `frame ${number}${of}${timeOf(number) === null ? "" : `, ${clock(timeOf(number))}`}`;
+}
+
+function said(chosen) {
+  const found = boxOf(chosen);
+  if (found === null) {
+    return app.edits.targets.length === 0 ? "no box yet" : "no box here";
+  }
+  const { x, y, width, height } = whole(found.box);
+  return `${nameOf(chosen)} ${found.state}: left ${x}, top ${y}, ${width} x ${height} pixels`;
+}
+
+function about() {
+  const { edits, kind, recording } = app;
+  const end = timeOf(app.playback.last);
+  const long = kind === "live" || recording.frames === null ? "" : `, ${recording.frames} ${recording.frames === 1 ? "frame" : "frames"}${end === null ? "" : `, ${clock(end)}`}`;
+  const kept = recording.session && edits.targets.length > 0 ? `. Your work is kept in ${recording.session}` : "";
+  return `${recording.width}x${recording.height} pixels${long}${kept}`;
+}
+
+function load() {
+  const { edits } = app;
+  const { progress, live } = app.news;
+  const dropped = live && `${droppedOf(live)}. The picture is ${Math.round(live.latency_ms)} ms old.`;
+  const pace = progress?.rate >= 1 ? `, ${Math.round(progress.rate)} frames a second` : "";
+  const following = !live && progress && `Following: frame ${progress.frame}${pace}.`;
+  const hint = edits.targets.length === 0 ? "Drag a box over what is to be followed." : edits.chosen === null ? "Drag a box over the new target." : "";
+  return [dropped, following, hint].filter(Boolean).join(" ");
+}
+
+function droppedOf({ dropped }) {
+  return dropped === 0 ? "No frame was dropped" : `${dropped} ${dropped === 1 ? "frame was" : "frames were"} dropped: this machine was behind`;
+}
+
+function hover(number, x) {
+  if (app.kind === "live") {
+    return;
+  }
+  app.hovered = { number, x };
+  app.playback.peek(number);
+  draw();
+}

@@ -1,0 +1,48 @@
+// Files that the user saves or opens: boxes, videos, reports.
+
+import { changed } from "./boxes.js";
+import { byId, htmlNode } from "./dom.js";
+import { drawMade, drawTaken } from "./exports.js";
+import { app, say, trying } from "./state.js";
+
+const TYPES = { csv: "text/csv", jsonl: "application/x-ndjson", smr: "application/octet-stream" };
+
+/** Lets the browser save `content` (text, bytes or a blob) as the file `name`. */
+function save(name, content) {
+  const type = TYPES[name.split(".").at(-1)];
+  const address = URL.createObjectURL(new Blob([content], { type }));
+  htmlNode("a", { href: address, download: name }).click();
+  // The address is revoked later, because the browser reads the file after this call.
+  setTimeout(() => URL.revokeObjectURL(address), 60_000);
+}
+
+export async function take(format) {
+  const file = await trying(app.source.boxes(format, app.edits.chosen));
+  if (file !== "") {
+    save(file.name, file.bytes);
+    drawTaken(byId("made"), file.name);
+  }
+}
+
+export async function make(what, options) {
+  const made = await trying(app.source.make(what, options));
+  if (made !== "" && !byId(`made${made.id}`)) {
+    drawMade(byId("made"), made, cancel);
+  }
+}
+
+export const cancel = (id) => trying(app.source.cancel(id));
+
+// Reads a file that the user chose or dropped: boxes, or a video if the source accepts one.
+export async function read(file) {
+  if (file === undefined) {
+    return;
+  }
+  say("");
+  byId("boxes").value = "";
+  const targets = await trying(app.source.read(file));
+  if (targets !== "") {
+    app.edits.add(targets);
+    await changed();
+  }
+}
