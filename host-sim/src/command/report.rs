@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Variant, result_files};
 use smr_files::output::{Output, complain, print};
 use smr_pages::report::figures::{self, Figure, Plan};
-use smr_pages::report::{self, About, Film, Refusal};
+use smr_pages::report::{self, About, FilmedRecording, Refusal};
 use smr_recordings::{BUILT_IN, FrameRange, Sequence, Source, Target, misfit};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -115,7 +115,7 @@ impl Report {
         Ok(Outcome::Holds)
     }
 
-    fn page(&self, out: &Path, found: &[PathBuf], methods: &[Variant]) -> Result<(Vec<Film>, Vec<Written>)> {
+    fn page(&self, out: &Path, found: &[PathBuf], methods: &[Variant]) -> Result<(Vec<FilmedRecording>, Vec<Written>)> {
         let open = |path: &PathBuf| self.recording.open_with_targets(path, false);
         let mut sequences = found.iter().map(open).collect::<Result<Vec<_>>>()?;
         for (sequence, targets) in &sequences {
@@ -190,7 +190,7 @@ impl Report {
         paths: &[PathBuf],
         sequences: Vec<(Sequence, Vec<Target>)>,
         methods: &[Variant],
-    ) -> Result<Vec<Film>> {
+    ) -> Result<Vec<FilmedRecording>> {
         let length = sequences.iter().map(|(sequence, _)| sequence.length).sum();
         let name =
             if let [(one, _)] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
@@ -251,7 +251,7 @@ fn make_folder(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
 }
 
-fn lines(films: &[Film], files: &[Written]) -> String {
+fn lines(films: &[FilmedRecording], files: &[Written]) -> String {
     let all: usize = films.iter().map(|film| film.moments.len()).sum();
     let line = |Written { file, bytes, frames }: &Written| {
         let frames = match frames.as_deref() {
@@ -265,10 +265,10 @@ fn lines(films: &[Film], files: &[Written]) -> String {
     files.iter().map(line).collect()
 }
 
-fn json(films: &[Film], methods: &[Variant], files: &[Written], left_out: &[String]) -> Result<String> {
+fn json(films: &[FilmedRecording], methods: &[Variant], files: &[Written], left_out: &[String]) -> Result<String> {
     let evaluations: Vec<Evaluation> =
         films.iter().filter_map(|film| film.evaluation().transpose()).collect::<Result<_>>()?;
-    let recording = |film: &Film| {
+    let recording = |film: &FilmedRecording| {
         serde_json::json!({
             "sequence": film.name,
             "frames": film.moments.len(),

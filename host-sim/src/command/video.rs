@@ -9,7 +9,7 @@ use smr_recordings::{BoundingBox, Frame};
 use std::path::Path;
 
 pub struct AnswersVideo {
-    film: export::Film,
+    film: export::VideoWriter,
     truth: std::vec::IntoIter<Option<BoundingBox>>,
     /// Id of each target, which selects its color; 1, 2, ... if the list is shorter.
     ids: Vec<usize>,
@@ -26,7 +26,7 @@ pub struct Shown<'a> {
 impl AnswersVideo {
     /// Creates the video. `truth` has the ground-truth box of each frame, if there is any.
     pub fn create(out: &Path, plan: Plan, truth: Vec<Option<BoundingBox>>, ids: &[usize]) -> Result<Self> {
-        let film = export::Film::create(out, plan)?;
+        let film = export::VideoWriter::create(out, plan)?;
         Ok(Self { film, truth: truth.into_iter(), ids: ids.to_vec(), lasts: Vec::new() })
     }
 

@@ -2,7 +2,7 @@
 //!
 //! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array, or in the layout of a toolkit.
 //! - [`boxes`]: the answers of trackers, as text.
-//! - [`Film`]: a recording with boxes drawn, as a video or a folder of pictures.
+//! - [`VideoWriter`]: a recording with boxes drawn, as a video or a folder of pictures.
 
 pub mod boxes;
 mod c_array;
@@ -14,5 +14,5 @@ mod video;
 mod writer;
 
 pub use overlay::Overlay;
-pub use video::{ENDINGS as FILM_ENDINGS, Film, Plan};
+pub use video::{ENDINGS as FILM_ENDINGS, Plan, VideoWriter};
 pub use writer::{Format, Writer, Written, is_whole};

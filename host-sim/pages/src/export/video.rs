@@ -46,8 +46,8 @@ const KINDS: [Kind; 4] = [
     },
 ];
 
-/// A video or folder being written under a temporary name, until [`Film::finish`].
-pub struct Film {
+/// A video or folder being written under a temporary name, until [`VideoWriter::finish`].
+pub struct VideoWriter {
     name: PathBuf,
     plan: Plan,
     way: Way,
@@ -73,8 +73,8 @@ pub struct Plan {
     pub patience: Duration,
 }
 
-impl Film {
-    /// Begins the film `out`: a video if its extension is one of [`ENDINGS`], or a new folder for pictures if it has
+impl VideoWriter {
+    /// Begins the video `out`: a video if its extension is one of [`ENDINGS`], or a new folder for pictures if it has
     /// none or ends with `/`. Errors: `out` has another extension, or cannot be written.
     pub fn create(out: &Path, plan: Plan) -> Result<Self> {
         let extension = out.extension().filter(|_| !out.as_os_str().as_encoded_bytes().ends_with(b"/"));
@@ -253,7 +253,7 @@ mod tests {
     }
 
     fn filmed(out: &Path) {
-        let mut film = Film::create(out, plan()).unwrap();
+        let mut film = VideoWriter::create(out, plan()).unwrap();
         for frame in frames() {
             film.frame(&frame, None).unwrap();
             assert!(!out.exists());
@@ -295,10 +295,10 @@ mod tests {
     #[test]
     fn what_breaks_off_or_is_unknown_leaves_nothing() {
         let above = tempfile::tempdir().unwrap();
-        let mut film = Film::create(&above.path().join("film"), plan()).unwrap();
+        let mut film = VideoWriter::create(&above.path().join("film"), plan()).unwrap();
         film.frame(&frames().next().unwrap(), None).unwrap();
         drop(film);
-        let error = Film::create(&above.path().join("film.avi"), plan()).err().unwrap().to_string();
+        let error = VideoWriter::create(&above.path().join("film.avi"), plan()).err().unwrap().to_string();
         assert!(error.ends_with(
             "film.avi: expected a video that ends in .mp4, .mov, .mkv, .webm, or a folder (no ending, or a / after it)"
         ));

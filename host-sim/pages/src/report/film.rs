@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// Minimum number of wrong frames in a row after which a method counts as having left the target.
 const MIN_FAILURE_FRAMES: usize = 10;
 
-pub struct Film {
+pub struct FilmedRecording {
     pub name: String,
     /// Methods that ran. With several targets there is one entry per target and method, named after both.
     pub methods: Vec<Variant>,
@@ -103,7 +103,7 @@ pub fn watch(
     stills: &BTreeSet<usize>,
     budget: Option<usize>,
     progress: impl Fn(),
-) -> Result<Film> {
+) -> Result<FilmedRecording> {
     ensure!(!methods.is_empty(), "there is no method to show");
     if targets.is_empty() {
         targets.push(Target { name: None, starts: vec![(sequence.first, Some(sequence.start()?.into()))] });
@@ -149,7 +149,7 @@ pub fn watch(
     }
     let padding = methods[0].configs.paper.padding;
     let truth = truth.filter(|_| targets.len() == 1);
-    Ok(Film {
+    Ok(FilmedRecording {
         name,
         method_targets: pairs.iter().map(|pair| pair.target).collect(),
         methods: pairs.into_iter().map(|pair| pair.variant).collect(),
@@ -197,7 +197,7 @@ fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first
     notes
 }
 
-impl Film {
+impl FilmedRecording {
     /// Returns as JSON the count of the player's pictures and their longest side in pixels; `None` without pictures.
     pub fn pictures(&self) -> Option<Value> {
         let pictures = self.pictures.as_ref()?;
@@ -307,7 +307,7 @@ mod tests {
         methods.iter().map(|&kind| Variant::new(kind, &configs)).collect()
     }
 
-    fn film(methods: &[MethodKind]) -> Film {
+    fn film(methods: &[MethodKind]) -> FilmedRecording {
         watch(open(), vec![], &variants(methods), Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap()
     }
 
@@ -336,7 +336,8 @@ mod tests {
 
     #[test]
     fn times_read_as_on_a_clock() {
-        let film = Film { times: vec![Some(12.38), Some(59.96), Some(3723.4), None], ..film(&[MethodKind::Sad]) };
+        let film =
+            FilmedRecording { times: vec![Some(12.38), Some(59.96), Some(3723.4), None], ..film(&[MethodKind::Sad]) };
         let clocks = [0, 1, 2, 3].map(|index| film.clock(index));
         assert_eq!(clocks, [Some("0:12.4".into()), Some("1:00.0".into()), Some("1:02:03.4".into()), None]);
     }

@@ -1,6 +1,6 @@
 //! Renders the report as one self-contained HTML page, from the template `page.html`.
 
-use super::film::{Film, Locked};
+use super::film::{FilmedRecording, Locked};
 use super::page_data::data;
 use super::player_frames::Pictures;
 use super::scores::{Measured, scores};
@@ -27,7 +27,7 @@ pub struct About {
 /// Renders the page in at most `budget` bytes: pictures of frames get smaller, then fewer, until it fits.
 /// Errors: No film, ground truth of another length, a picture that cannot be encoded, or a page over the budget even
 /// with the fewest and smallest pictures.
-pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> {
+pub fn page(films: &mut [FilmedRecording], about: &About, budget: usize) -> Result<String> {
     ensure!(!films.is_empty(), "there is no recording to show");
     place_files(films);
     loop {
@@ -43,7 +43,7 @@ pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> 
     }
 }
 
-fn render(films: &[Film], about: &About) -> Result<String> {
+fn render(films: &[FilmedRecording], about: &About) -> Result<String> {
     let measured = films.iter().map(Measured::new).collect::<Result<Vec<_>>>()?;
     let measured: Vec<Measured<'_>> = measured.into_iter().flatten().collect();
     let page = context! {
@@ -64,7 +64,7 @@ fn render(films: &[Film], about: &About) -> Result<String> {
     Ok(templates.get_template("page.html")?.render(page)?)
 }
 
-fn recording(film: &Film) -> Result<Value> {
+fn recording(film: &FilmedRecording) -> Result<Value> {
     Ok(context! {
         name => film.name.as_str(),
         notes => Serde(&film.notes),
@@ -80,7 +80,7 @@ fn recording(film: &Film) -> Result<Value> {
 }
 
 /// Returns, for each target, the title of its first method and that method's count of frames in each state.
-fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
+fn states(film: &FilmedRecording) -> Vec<(String, Vec<(&'static str, usize)>)> {
     let of = |target: usize| {
         let method = film.method_targets.iter().position(|of| *of == target)?;
         let there = || film.moments.iter().enumerate().filter(|(index, _)| film.has(method, *index));
@@ -93,7 +93,7 @@ fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
 
 /// Returns the page's first sentence: each method's count of correct frames and, except for the best method, the frame
 /// in which its longest failure begins. `None` without ground truth.
-fn lead(film: &Film) -> Result<Option<String>> {
+fn lead(film: &FilmedRecording) -> Result<Option<String>> {
     let Some(Evaluation { visible, scores, .. }) = film.evaluation()? else { return Ok(None) };
     let correct = |method: usize| scores[method].1.correct;
     let Some(best) = (0..film.methods.len()).rev().max_by_key(|method| correct(*method)) else { return Ok(None) };
@@ -112,7 +112,7 @@ fn lead(film: &Film) -> Result<Option<String>> {
 }
 
 /// Formats a target's locks as `car: 40x48 at (150, 100), gone in frame 200, 40x48 at (170, 90) in frame 300`.
-fn starts(film: &Film, target: &Locked) -> String {
+fn starts(film: &FilmedRecording, target: &Locked) -> String {
     let start = |&(index, bbox): &(usize, Option<Rect>)| {
         let frame = if index == 0 { String::new() } else { format!(" in frame {}", index + film.first) };
         let frame = film.clock(index).filter(|_| index > 0).map_or(frame.clone(), |time| format!("{frame} ({time})"));
@@ -136,7 +136,7 @@ mod tests {
 
     const BUDGET: usize = 25_000_000;
 
-    fn film(change: impl FnOnce(Sequence) -> Sequence) -> Film {
+    fn film(change: impl FnOnce(Sequence) -> Sequence) -> FilmedRecording {
         let sequence = smr_recordings::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         let variant = |kind| Variant::new(kind, &Config::paper().into());
         let methods = [MethodKind::Paper, MethodKind::Sad].map(variant);
@@ -185,7 +185,7 @@ mod tests {
     fn without_ground_truth_there_are_no_scores_and_what_was_left_out_is_said() {
         let name = "</script><script>alert(1)</script>";
         let film = film(|sequence| Sequence { truth: None, name: name.to_owned(), ..sequence });
-        let film = Film { notes: vec!["paper is left out: too large".into()], first: 601, ..film };
+        let film = FilmedRecording { notes: vec!["paper is left out: too large".into()], first: 601, ..film };
         let page = page(&mut [film], &about(), BUDGET).unwrap();
         nests(&page);
         assert!(!page.contains("<h2>Scores") && !page.contains("<script>alert"));

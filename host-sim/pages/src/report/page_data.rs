@@ -1,7 +1,7 @@
 //! Data for the script of the report, as JSON: boxes and scores of every frame, and pictures of some or all frames.
 
 use super::difference::{BAR, BARS};
-use super::film::{Film, Locked, Moment};
+use super::film::{FilmedRecording, Locked, Moment};
 use super::player_frames::Pictures;
 use super::trackers::{Entrant, TRUTH_LOOK, entrants};
 use crate::encode::{base64, rounded};
@@ -12,13 +12,13 @@ use smr_recordings::BoundingBox;
 
 /// Returns all films as JSON. `<` is escaped, as `</script>` in a name would end the page's element that holds the
 /// JSON. Errors: Ground truth of another length than its film.
-pub(super) fn data(films: &[Film]) -> Result<String> {
+pub(super) fn data(films: &[FilmedRecording]) -> Result<String> {
     let recordings = films.iter().map(recording).collect::<Result<Vec<_>>>()?;
     let data = json!({ "bar": BAR, "bars": BARS, "recordings": recordings });
     Ok(data.to_string().replace('<', "\\u003c"))
 }
 
-fn recording(film: &Film) -> Result<Value> {
+fn recording(film: &FilmedRecording) -> Result<Value> {
     let mut entrants = entrants(film).iter().map(|entrant| figures(film, entrant)).collect::<Result<Vec<_>>>()?;
     entrants.extend(film.truth.as_deref().map(truth_of));
     let margin = film.margin().min(film.overhang());
@@ -51,12 +51,12 @@ fn truth_of(truth: &[Option<BoundingBox>]) -> Value {
     })
 }
 
-fn target_of(film: &Film, target: &Locked) -> Value {
+fn target_of(film: &FilmedRecording, target: &Locked) -> Value {
     let locks = target.starts.iter().filter(|(_, bbox)| bbox.is_some()).map(|(index, _)| index + film.first);
     json!({ "name": target.name, "locks": locks.collect::<Vec<_>>() })
 }
 
-fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
+fn figures(film: &FilmedRecording, entrant: &Entrant) -> Result<Value> {
     let answers = &entrant.answers;
     let reports = |value: &dyn Fn(&Report) -> Option<f64>, digits: i32| {
         let values = entrant.method.map(|method| film.moments.iter().map(move |moment| value(&moment.reports[method])));

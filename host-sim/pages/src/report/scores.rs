@@ -1,13 +1,13 @@
 //! Score tables and plots of the report, as JSON for its template.
 
-use super::film::Film;
+use super::film::FilmedRecording;
 use super::trackers::{Entrant, entrants};
 use anyhow::Result;
 use serde_json::{Value, json};
 use smr_evaluation::{Curves, FARTHEST, NEAR, Otb, Score};
 
 pub(super) struct Measured<'a> {
-    film: &'a Film,
+    film: &'a FilmedRecording,
     visible: usize,
     scored: Vec<Scored>,
 }
@@ -18,7 +18,7 @@ struct Scored {
     curves: Curves,
 }
 
-type Row<'a> = (&'a Entrant, Vec<Option<&'a Scored>>);
+type EntrantRow<'a> = (&'a Entrant, Vec<Option<&'a Scored>>);
 
 /// Returns the values that `of` takes from an entrant's scores, one for each recording in which the target is ever
 /// visible. `None` if the entrant lacks a score in any recording.
@@ -29,7 +29,7 @@ fn known<'a, T>(scored: &[Option<&'a Scored>], of: impl Fn(&'a Scored) -> T) -> 
 
 impl<'a> Measured<'a> {
     /// Computes the scores of all entrants of a film; `None` without ground truth.
-    pub fn new(film: &'a Film) -> Result<Option<Self>> {
+    pub fn new(film: &'a FilmedRecording) -> Result<Option<Self>> {
         let (Some(evaluation), Some(truth)) = (film.evaluation()?, &film.truth) else { return Ok(None) };
         let scored = entrants(film).into_iter().zip(evaluation.scores).map(|(entrant, (_, score))| {
             let curves = Curves::new(&entrant.answers, truth);
@@ -62,8 +62,8 @@ pub(super) fn scores<'a>(measured: &'a [Measured<'a>]) -> Option<Value> {
     Some(json!({ "table": table, "plots": plots(&rows), "each": each }))
 }
 
-fn rows<'a>(measured: &'a [Measured<'a>]) -> Vec<Row<'a>> {
-    let mut rows: Vec<Row<'_>> = Vec::new();
+fn rows<'a>(measured: &'a [Measured<'a>]) -> Vec<EntrantRow<'a>> {
+    let mut rows: Vec<EntrantRow<'_>> = Vec::new();
     for Scored { entrant, .. } in measured.iter().flat_map(|one| &one.scored) {
         if rows.iter().all(|(known, _)| known.name != entrant.name) {
             rows.push((entrant, measured.iter().map(|one| one.of(entrant)).collect()));
@@ -72,12 +72,12 @@ fn rows<'a>(measured: &'a [Measured<'a>]) -> Vec<Row<'a>> {
     rows
 }
 
-fn across<'a>(measured: &[Measured<'a>], rows: &[Row<'a>]) -> Value {
+fn across<'a>(measured: &[Measured<'a>], rows: &[EntrantRow<'a>]) -> Value {
     let correct = measured.iter().map(|one| (format!("{} (of {})", one.film.name, one.visible), 0, true));
     let visible: usize = measured.iter().map(|one| one.visible).sum();
     let all = [(format!("all (of {visible})"), 0), ("OTB AUC".to_owned(), 3), ("OTB P20".to_owned(), 3)];
     let columns = correct.chain(all.map(|(title, digits)| (title, digits, true)));
-    let line = |(entrant, scored): &Row<'a>| {
+    let line = |(entrant, scored): &EntrantRow<'a>| {
         let mut values: Vec<_> = scored.iter().map(|one| Some(one.as_ref()?.score.correct as f64)).collect();
         let all: Option<f64> = values.iter().copied().sum();
         let otb: Option<Vec<Otb>> = known(scored, |one| one.score.otb).into_iter().flatten().collect();
@@ -108,8 +108,8 @@ fn table(
 }
 
 /// Returns the success and the precision plot: mean curves over the recordings, of entrants that are in all of them.
-fn plots<'a>(rows: &[Row<'a>]) -> [Value; 2] {
-    let mean = |(entrant, scored): &Row<'a>| Some((*entrant, Curves::mean(&known(scored, |one| &one.curves)?)?));
+fn plots<'a>(rows: &[EntrantRow<'a>]) -> [Value; 2] {
+    let mean = |(entrant, scored): &EntrantRow<'a>| Some((*entrant, Curves::mean(&known(scored, |one| &one.curves)?)?));
     let means: Vec<(&Entrant, Curves)> = rows.iter().filter_map(mean).collect();
     let lines = |area: fn(&Curves) -> f64, values: fn(&Curves) -> &Vec<f64>| {
         let mut lines: Vec<_> = means.iter().map(|(entrant, curves)| (area(curves), entrant, values(curves))).collect();

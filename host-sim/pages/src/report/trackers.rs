@@ -1,6 +1,6 @@
 //! The entrants of a report: methods that ran, then other trackers' result files, with titles, colors and dashes.
 
-use super::film::Film;
+use super::film::FilmedRecording;
 use crate::colors::{Color, TRUTH};
 use serde::Serialize;
 use smr_evaluation::MethodKind;
@@ -20,13 +20,13 @@ pub(super) struct Entrant {
 
 /// Returns a method's title, preceded by its target's name if the target has one. `words` selects the form of the
 /// title: `TITLE`, `SHORT` or `SENTENCE`.
-pub(super) fn titled(film: &Film, method: usize, words: usize) -> String {
+pub(super) fn titled(film: &FilmedRecording, method: usize, words: usize) -> String {
     let title = METHODS[look_of_method(film.methods[method].kind)].2[words];
     let name = film.targets[film.method_targets[method]].name.as_ref();
     name.map_or(title.to_owned(), |name| format!("{name}, {title}"))
 }
 
-pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
+pub(super) fn entrants(film: &FilmedRecording) -> Vec<Entrant> {
     let methods = film.methods.iter().enumerate().map(|(index, method)| Entrant {
         name: method.name.clone(),
         title: titled(film, index, TITLE),
@@ -48,7 +48,7 @@ pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
 }
 
 /// Gives result files of the same name the same index in all films, and thus the same color and dashes.
-pub(super) fn place_files(films: &mut [Film]) {
+pub(super) fn place_files(films: &mut [FilmedRecording]) {
     let mut names: Vec<String> = Vec::new();
     for film in films {
         let place = |name: &String| {

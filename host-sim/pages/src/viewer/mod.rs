@@ -25,7 +25,7 @@ mod session;
 mod source;
 mod thread;
 
-pub use answers::{Followed, Row};
+pub use answers::{AnsweredFrame, Followed};
 pub use camera::Camera;
 pub use made::{Job, Made};
 pub use model::{Lock, Target, check_inside};

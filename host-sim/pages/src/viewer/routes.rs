@@ -1,6 +1,6 @@
 //! HTTP routes of the viewer: the page, its modules, frames, news, and the user's requests.
 
-use super::answers::{Changes, Followed, Row};
+use super::answers::{AnsweredFrame, Changes, Followed};
 use super::made::{Job, Made};
 use super::model::{Lock, Target, TargetSpan, check_inside};
 use super::server::{Reply, Request, Server};
@@ -101,7 +101,7 @@ impl Viewer {
                 let (target, from, to) =
                     (number(query, "target")?, frame_number(query, "from")?, frame_number(query, "to")?);
                 let (rows, to) = self.followed.part(TargetSpan { target, from, to });
-                let rows: Vec<_> = rows.into_iter().map(|(frame, row)| row_json(&(target, frame, row))).collect();
+                let rows: Vec<_> = rows.into_iter().map(|(frame, row)| answer_json(&(target, frame, row))).collect();
                 json_reply(&json!({ "rows": rows, "to": to }))
             }
             (false, "frames", name) if name.ends_with(".png") => self.part(name, query)?,
@@ -232,7 +232,7 @@ impl Viewer {
         let told = |part: &TargetSpan| json!([part.target, part.from, part.to.min(FrameNumber::MAX)]);
         let mut news = json!({
             "position": position,
-            "rows": rows.iter().map(row_json).collect::<Vec<_>>(),
+            "rows": rows.iter().map(answer_json).collect::<Vec<_>>(),
             "changed": changed.iter().map(told).collect::<Vec<_>>(),
             "followed": followed,
             "silent": self.followed.silent(),
@@ -346,7 +346,7 @@ fn frame_number(query: &str, name: &str) -> Result<usize> {
 
 /// Returns an answer as JSON for the page:
 /// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, runner-up's ratio]`
-fn row_json(&(target, frame, Row { report, shown, .. }): &(u32, usize, Row)) -> Value {
+fn answer_json(&(target, frame, AnsweredFrame { report, shown, .. }): &(u32, usize, AnsweredFrame)) -> Value {
     let Report { state, evidence, work, .. } = report;
     let BoundingBox { x, y, width, height } = shown;
     json!([

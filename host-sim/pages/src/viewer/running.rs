@@ -1,6 +1,6 @@
 //! A viewer without a page, for tests: its thread follows targets in a scene of a few frames.
 
-use super::answers::{Followed, Row};
+use super::answers::{AnsweredFrame, Followed};
 use super::model::{Lock, Target, TargetSpan};
 use super::source::{Known, LiveState, Source};
 use anyhow::{Result, anyhow};
@@ -86,7 +86,7 @@ impl Running {
         Self { followed, scene, position: 0 }
     }
 
-    pub fn heard(&mut self) -> (Vec<String>, Vec<(u32, usize, Row)>) {
+    pub fn heard(&mut self) -> (Vec<String>, Vec<(u32, usize, AnsweredFrame)>) {
         let (mut said, mut rows) = (Vec::new(), Vec::new());
         loop {
             let is_done = self.followed.reached(None).1.is_none();
@@ -101,7 +101,7 @@ impl Running {
         }
     }
 
-    pub fn part(&self, part: TargetSpan) -> Vec<(u32, usize, Row)> {
+    pub fn part(&self, part: TargetSpan) -> Vec<(u32, usize, AnsweredFrame)> {
         self.followed.part(part).0.into_iter().map(|(frame, row)| (part.target, frame, row)).collect()
     }
 
@@ -109,7 +109,7 @@ impl Running {
         self.followed.set_targets(targets, None, self.scene.as_ref())
     }
 
-    pub fn set(&mut self, targets: Vec<Target>) -> Vec<(u32, usize, Row)> {
+    pub fn set(&mut self, targets: Vec<Target>) -> Vec<(u32, usize, AnsweredFrame)> {
         self.try_set(targets).unwrap();
         self.heard().1
     }

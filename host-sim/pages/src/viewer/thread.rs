@@ -1,7 +1,7 @@
 //! The thread that runs the viewer's trackers. It reads from the earliest frame that lacks an answer; after a lock in an
 //! earlier frame, it starts again there. If frames end or fail, segments that need later frames wait for the next change.
 
-use super::answers::{Followed, Key, Row, State, Task};
+use super::answers::{AnsweredFrame, Followed, Key, State, Task};
 use super::source::Source;
 use anyhow::{Error, Result};
 use smr_core::Quality;
@@ -142,7 +142,7 @@ impl Following<'_> {
                     Ok(Some((report, quality))) => {
                         let before = segment.rows.iter().rev().find_map(|(_, row)| Some((*row)?.shown));
                         let shown = report.target.or(before).unwrap_or_else(|| task.key.lock.1.into());
-                        let row = Row { report, shown, quality, time };
+                        let row = AnsweredFrame { report, shown, quality, time };
                         segment.rows.extend((task.next..number).map(|_| (log.end(), None)));
                         segment.rows.push_back((log.next(), Some(row)));
                         if is_live && segment.rows.len() > MAX_LIVE_ROWS {

@@ -4,13 +4,13 @@ use super::sheet::{COLUMN, DASHED, DOTTED, GAP, LINE, Pair, Plot, SOLID, Sheet, 
 use super::{SAD, SMR, around, compared, overlap, spans};
 use crate::colors::{self, WHITE};
 use crate::report::difference::{BAR, BARS, Difference, differences as map, part, patch};
-use crate::report::film::{Film, Still};
+use crate::report::film::{FilmedRecording, Still};
 use anyhow::{Context, Result};
 use smr_core::Rect;
 use smr_evaluation::{CORRECT, centre_errors, name_of};
 use smr_recordings::{BoundingBox, GrayFrame};
 
-pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
+pub(super) fn boxes(film: &FilmedRecording, still: &Still) -> Result<String> {
     const TILE: f64 = 400.0;
     const PATCH: Pair = (140.0, 120.0);
     const ROW: f64 = PATCH.1 + 3.0 * LINE;
@@ -39,7 +39,7 @@ pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
 
 /// Draws, for each method, the template and two maps of differences from it, for the method's box and for the true box.
 /// Below is a histogram of each map.
-pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
+pub(super) fn differences(film: &FilmedRecording, still: &Still) -> Result<String> {
     const PATCH: Pair = (160.0, 120.0);
     const ROW: f64 = PATCH.1 + 2.0 * LINE;
     const PLOT: f64 = 190.0;
@@ -89,7 +89,7 @@ pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
 
 /// Returns the difference between the template and the part of the frame around the true centre. The true centre is
 /// first moved by the start box's offset from the true centre in the first frame.
-fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference> {
+fn at_truth(film: &FilmedRecording, still: &Still, seen: &Difference) -> Result<Difference> {
     let start = BoundingBox::from(film.targets[0].start()).centre();
     let first = film.truth_at(0).map_or(start, |first| first.centre());
     let (x, y) = film.truth_at(still.index).context("the target is visible")?.centre();
@@ -113,7 +113,7 @@ fn shades(sheet: &mut Sheet, left: f64, alpha: Option<u16>) -> Result<()> {
 }
 
 /// Draws frames in which a target leaves, with a margin of padding, and the templates, marked unchanged or updated.
-pub(super) fn leaving(film: &Film, stills: &[&Still]) -> Result<String> {
+pub(super) fn leaving(film: &FilmedRecording, stills: &[&Still]) -> Result<String> {
     let mut sheet = Sheet::new(&format!("{}: leaving the frame", film.name));
     sheet.legend(film.truth.is_some());
     let (lefts, bottom) = sheet.strip(film, stills, film.margin())?;
@@ -133,7 +133,7 @@ pub(super) fn leaving(film: &Film, stills: &[&Still]) -> Result<String> {
 }
 
 /// Plots drift: in each frame, the distance in pixels between the centre of a method's box and the true centre.
-pub(super) fn drift(film: &Film) -> String {
+pub(super) fn drift(film: &FilmedRecording) -> String {
     const PLOT: f64 = 260.0;
     let mut sheet = Sheet::new(&format!("{}: centre error over frames", film.name));
     sheet.legend(false);
@@ -161,7 +161,7 @@ pub(super) fn drift(film: &Film) -> String {
 
 /// Draws an occlusion: frames, SMR's templates, and IoU over frames. A slow occluder can get into the template, so that
 /// SMR follows the occluder.
-pub(super) fn occlusion(film: &Film, stills: &[&Still], hidden: (usize, usize)) -> Result<String> {
+pub(super) fn occlusion(film: &FilmedRecording, stills: &[&Still], hidden: (usize, usize)) -> Result<String> {
     const PLOT: f64 = 150.0;
     let mut sheet = Sheet::new(&format!("{}: hidden {} to {}", film.name, hidden.0 + 1, hidden.1 + 1));
     sheet.legend(true);
@@ -185,6 +185,6 @@ pub(super) fn occlusion(film: &Film, stills: &[&Still], hidden: (usize, usize)) 
     Ok(sheet.svg(plot.bottom + 3.0 * LINE))
 }
 
-fn name(film: &Film, method: usize) -> String {
+fn name(film: &FilmedRecording, method: usize) -> String {
     film.methods[method].name.to_uppercase()
 }

@@ -3,7 +3,7 @@
 mod drawn;
 mod sheet;
 
-use super::film::{Film, Still};
+use super::film::{FilmedRecording, Still};
 use super::search::Search;
 use anyhow::{Context, Result, ensure};
 use smr_core::{Rect, State};
@@ -50,7 +50,12 @@ pub struct Plan {
 impl Plan {
     /// Chooses the frames of a figure, unless the user does: `frame` (index from 0) for `Boxes` and `Differences`,
     /// `hidden` for `Occlusion`. Errors: The recording, or its ground truth, lacks what the figure needs.
-    pub fn new(figure: Figure, film: &Film, frame: Option<usize>, hidden: Option<FrameRange>) -> Result<Self> {
+    pub fn new(
+        figure: Figure,
+        film: &FilmedRecording,
+        frame: Option<usize>,
+        hidden: Option<FrameRange>,
+    ) -> Result<Self> {
         let plan = || {
             let mut hides = (0, 0);
             let frames = match figure {
@@ -72,7 +77,7 @@ impl Plan {
     }
 
     /// Returns the figure as SVG. Fails if the stills of `film` lack a frame of the plan.
-    pub fn draw(&self, film: &Film) -> Result<String> {
+    pub fn draw(&self, film: &FilmedRecording) -> Result<String> {
         let still = |&index: &usize| film.stills.iter().find(|still| still.index == index);
         let stills: Option<Vec<&Still>> = self.frames.iter().map(still).collect();
         let stills = stills.context("the frames of the plan are kept")?;
@@ -96,7 +101,7 @@ const AROUND: usize = 40;
 const BESIDE: usize = 10;
 
 /// Returns the frame `wish`, which must not be the first; without a wish, the frame in which SMR leads SAD by the most.
-fn lead_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
+fn lead_frame(film: &FilmedRecording, wish: Option<usize>) -> Result<usize> {
     let Some(frame) = wish else {
         let leads = (1..film.moments.len()).filter_map(|index| Some((index, lead(film, index)?)));
         let best = leads.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
@@ -108,7 +113,7 @@ fn lead_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
 }
 
 /// Returns the frame of [`lead_frame`]; fails if the target is hidden in it.
-fn visible_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
+fn visible_frame(film: &FilmedRecording, wish: Option<usize>) -> Result<usize> {
     ensure!(film.truth.is_some(), "it needs ground truth, for the true place of the target");
     let frame = lead_frame(film, wish)?;
     ensure!(
@@ -120,7 +125,7 @@ fn visible_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
 }
 
 /// Returns SMR's IoU with the ground truth minus SAD's; without ground truth, 1 minus the IoU of SMR's and SAD's boxes.
-fn lead(film: &Film, index: usize) -> Option<f64> {
+fn lead(film: &FilmedRecording, index: usize) -> Option<f64> {
     let [smr, sad] = [SMR, SAD].map(|method| film.moments[index].reports[method].target);
     if film.truth.is_none() {
         return Some(1.0 - smr?.iou(&sad?));
@@ -129,14 +134,14 @@ fn lead(film: &Film, index: usize) -> Option<f64> {
 }
 
 /// Returns the IoU of a method's box with the ground truth: 0 if the method has no box, `None` if the target is hidden.
-fn overlap(film: &Film, method: usize, index: usize) -> Option<f64> {
+fn overlap(film: &FilmedRecording, method: usize, index: usize) -> Option<f64> {
     let truth = film.truth_at(index)?;
     Some(film.moments[index].reports[method].target.map_or(0.0, |target| target.iou(&truth)))
 }
 
 /// Returns the frames around the target's exit: the last before it, the one with the box farthest outside, the first in
 /// which the target is lost, and the first in which it is wholly inside again.
-fn leaving_frames(film: &Film) -> Result<Vec<usize>> {
+fn leaving_frames(film: &FilmedRecording) -> Result<Vec<usize>> {
     let state = |index: usize| film.moments[index].reports[SMR].state;
     let leaving = (1..film.moments.len()).filter(|&index| state(index) == State::Leaving);
     let deepest = leaving.max_by_key(|&index| outside(film, index));
@@ -153,21 +158,21 @@ fn leaving_frames(film: &Film) -> Result<Vec<usize>> {
 }
 
 /// Returns the area in pixels of SMR's box outside the frame.
-fn outside(film: &Film, index: usize) -> u64 {
+fn outside(film: &FilmedRecording, index: usize) -> u64 {
     let Some(bbox) = film.moments[index].reports[SMR].bbox else { return 0 };
     let frame = Rect::new(0, 0, film.size.0, film.size.1);
     u64::from(bbox.width) * u64::from(bbox.height) - u64::from(bbox.intersection(frame).area())
 }
 
 /// Returns (first, last) of each run of frames in which the target is hidden, according to the ground truth.
-fn spans(film: &Film) -> Vec<(usize, usize)> {
+fn spans(film: &FilmedRecording) -> Vec<(usize, usize)> {
     let truth = film.truth.iter().flatten().collect::<Vec<_>>();
     let hidden: Vec<usize> = (0..truth.len()).filter(|&index| truth[index].is_none()).collect();
     hidden.chunk_by(|one, next| one + 1 == *next).map(|run| (run[0], run[run.len() - 1])).collect()
 }
 
 /// Returns the user's occlusion `wish`; without a wish, the occlusion after which SMR's accuracy falls most.
-fn span(film: &Film, wish: Option<FrameRange>) -> Result<(usize, usize)> {
+fn span(film: &FilmedRecording, wish: Option<FrameRange>) -> Result<(usize, usize)> {
     ensure!(film.truth.is_some(), "it needs ground truth, for what is correct");
     let length = film.moments.len();
     if let Some(range) = wish {
@@ -188,14 +193,14 @@ fn span(film: &Film, wish: Option<FrameRange>) -> Result<(usize, usize)> {
     )
 }
 
-fn hidden_frames(film: &Film, (first, last): (usize, usize)) -> Vec<usize> {
+fn hidden_frames(film: &FilmedRecording, (first, last): (usize, usize)) -> Vec<usize> {
     let most = film.moments.len() - 1;
     let mut frames = vec![first.saturating_sub(BESIDE).max(1), first.max(1), last.max(1), (last + BESIDE).min(most)];
     frames.dedup();
     frames
 }
 
-fn around(film: &Film, (first, last): (usize, usize)) -> (usize, usize) {
+fn around(film: &FilmedRecording, (first, last): (usize, usize)) -> (usize, usize) {
     (first.saturating_sub(AROUND), (last + AROUND).min(film.moments.len() - 1).max(first + 1))
 }
 
@@ -208,7 +213,7 @@ mod tests {
     use smr_recordings::{OpenOptions, Sequence};
     use std::path::Path;
 
-    fn watched(name: &str, change: impl FnOnce(Sequence) -> Sequence) -> Film {
+    fn watched(name: &str, change: impl FnOnce(Sequence) -> Sequence) -> FilmedRecording {
         let sequence = change(smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap());
         let methods = METHODS.map(|kind| Variant::new(kind, &Configs::from(Config::paper())));
         watch(sequence, vec![], &methods, Refusal::Fails, &[].into(), None, || ()).unwrap()

@@ -4,7 +4,7 @@ use super::{METHODS, SAD, SMR, compared};
 use crate::colors::{Color, GRID, PAPER, TRUTH, WHITE};
 use crate::encode::{GOOD, data_uri, jpeg};
 use crate::report::difference;
-use crate::report::film::{Film, Still};
+use crate::report::film::{FilmedRecording, Still};
 use crate::report::trackers::color_of_method;
 use anyhow::Result;
 use minijinja::HtmlEscape;
@@ -103,7 +103,7 @@ impl Sheet {
     }
 
     /// Draws the frame and a margin of padding, with all boxes. The box of a lost target is dotted.
-    pub fn frame(&mut self, film: &Film, still: &Still, at: Pair, size: Pair, margin: u16) -> Result<()> {
+    pub fn frame(&mut self, film: &FilmedRecording, still: &Still, at: Pair, size: Pair, margin: u16) -> Result<()> {
         let margin = f64::from(margin);
         let (width, height) = (f64::from(still.frame.width), f64::from(still.frame.height));
         let scale = size.0 / (width + 2.0 * margin);
@@ -128,7 +128,7 @@ impl Sheet {
     }
 
     /// Draws numbered frames in a row, with SMR's templates below. Returns the frames' left ends and the row's bottom.
-    pub fn strip(&mut self, film: &Film, stills: &[&Still], margin: u16) -> Result<(Vec<f64>, f64)> {
+    pub fn strip(&mut self, film: &FilmedRecording, stills: &[&Still], margin: u16) -> Result<(Vec<f64>, f64)> {
         const PATCH: Pair = (120.0, 96.0);
         let size = tile(film, COLUMN, margin);
         let lefts: Vec<f64> = (0..stills.len()).map(|place| GAP + place as f64 * (COLUMN + GAP)).collect();
@@ -191,7 +191,7 @@ impl Sheet {
 pub(super) const COLUMN: f64 = (WIDTH - 5.0 * GAP) / 4.0;
 
 /// Returns the size of a frame with a margin of padding, scaled so that its longer side is `longest`.
-pub(super) fn tile(film: &Film, longest: f64, margin: u16) -> Pair {
+pub(super) fn tile(film: &FilmedRecording, longest: f64, margin: u16) -> Pair {
     let (width, height) = (f64::from(film.size.0 + 2 * margin), f64::from(film.size.1 + 2 * margin));
     let scale = longest / width.max(height).max(1.0);
     (width * scale, height * scale)

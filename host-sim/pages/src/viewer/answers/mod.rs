@@ -5,7 +5,7 @@ mod change_log;
 mod segment;
 mod state;
 
-pub use segment::Row;
+pub use segment::AnsweredFrame;
 pub(super) use segment::{Key, Task};
 pub(super) use state::State;
 
@@ -35,7 +35,7 @@ pub(super) struct Changes {
     pub void: Vec<TargetSpan>,
     pub changed: Vec<TargetSpan>,
     /// New answers; empty if there are too many: the page then requests the ranges in `changed`.
-    pub rows: Vec<(u32, usize, Row)>,
+    pub rows: Vec<(u32, usize, AnsweredFrame)>,
     pub messages: Vec<String>,
     pub made: Vec<u32>,
     /// True if the number of frames or their times changed.
@@ -93,13 +93,13 @@ impl Followed {
         self.state().variant.clone()
     }
 
-    pub fn rows(&self) -> Vec<(Target, Vec<(usize, Row)>)> {
+    pub fn rows(&self) -> Vec<(Target, Vec<(usize, AnsweredFrame)>)> {
         let state = self.state();
         state.targets.iter().map(|target| (target.clone(), state.rows(TargetSpan::all(target.id)).collect())).collect()
     }
 
     /// Returns at most [`PORTION`] answers of a frame range, and the last frame that they cover.
-    pub(super) fn part(&self, part: TargetSpan) -> (Vec<(usize, Row)>, usize) {
+    pub(super) fn part(&self, part: TargetSpan) -> (Vec<(usize, AnsweredFrame)>, usize) {
         let rows: Vec<_> = self.state().rows(part).take(PORTION).collect();
         let to = rows.last().filter(|_| rows.len() == PORTION).map_or(part.to, |(frame, _)| *frame);
         (rows, to)

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct AnsweredFrame {
     pub report: Report,
     /// Box to draw: the answer's, or the last known one if the target is lost.
     pub shown: BoundingBox,
@@ -29,7 +29,7 @@ pub struct Segment {
     /// Frame of the first row: the lock's frame, or a later one after a camera's old rows were dropped.
     pub first: usize,
     /// (position in `ChangeLog`, row) of each frame from `first` on; positions ascend. `None`: dropped frame.
-    pub rows: VecDeque<(u64, Option<Row>)>,
+    pub rows: VecDeque<(u64, Option<AnsweredFrame>)>,
     /// True if the tracker refused a frame, or a camera no longer keeps the lock's frame. No answers follow.
     pub failed: bool,
     /// True if the frames ended before the one that this segment needs next.
@@ -49,7 +49,7 @@ impl Segment {
         place(from)..place(end).max(place(from))
     }
 
-    pub fn answers(&self, places: Range<usize>) -> impl Iterator<Item = (usize, Row)> + '_ {
+    pub fn answers(&self, places: Range<usize>) -> impl Iterator<Item = (usize, AnsweredFrame)> + '_ {
         let first = self.first + places.start;
         (first..).zip(self.rows.range(places)).filter_map(|(frame, (_, row))| Some((frame, (*row)?)))
     }

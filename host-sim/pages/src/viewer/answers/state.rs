@@ -2,7 +2,7 @@
 
 use super::super::model::{Lock, Target, TargetSpan};
 use super::change_log::ChangeLog;
-use super::segment::{Key, Row, Segment, Task, planned};
+use super::segment::{AnsweredFrame, Key, Segment, Task, planned};
 use anyhow::{Result, bail, ensure};
 use smr_evaluation::{Origin, Variant};
 use smr_recordings::{FrameNumber, check_gone, checked_name};
@@ -50,7 +50,10 @@ impl State {
         self.plan().filter_map(task).collect()
     }
 
-    pub fn rows(&self, TargetSpan { target, from, to }: TargetSpan) -> impl Iterator<Item = (usize, Row)> + '_ {
+    pub fn rows(
+        &self,
+        TargetSpan { target, from, to }: TargetSpan,
+    ) -> impl Iterator<Item = (usize, AnsweredFrame)> + '_ {
         let target = self.targets.iter().find(move |one| one.id == target);
         let plan = target.into_iter().flat_map(|target| planned(target, self.settings_index));
         plan.filter_map(|(key, end)| Some((self.segments.get(&key)?, end)))
