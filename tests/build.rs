@@ -1,4 +1,4 @@
-//! Extracts the Rust examples from the READMEs, so that `tests/readme.rs` compiles and runs them unchanged.
+//! Extracts the Rust examples from the READMEs, so that `tests/documents/examples.rs` compiles and runs them unchanged.
 //!
 //! The examples of a README become the files `FOLDER-1.rs`, `FOLDER-2.rs` and so on. An example without `fn` becomes a
 //! block, and the test around it defines the names that it uses.

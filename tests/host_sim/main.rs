@@ -8,13 +8,13 @@ mod program;
 #[cfg(unix)]
 mod cases;
 mod command_line;
+mod documents;
 #[cfg(unix)]
 mod endurance;
 mod ffmpeg;
 mod figures;
 mod live;
 mod page;
-mod readme_commands;
 mod replay;
 mod session;
 mod targets;

@@ -1,14 +1,12 @@
 //! Tests across the crates, in one program, so that they run in parallel.
 
 mod conformance;
-mod evidence;
-mod figures;
+mod documents;
 mod languages;
 #[path = "../missing.rs"]
 mod missing;
 mod module_order;
 mod paper_rows;
 mod pursuit;
-mod readme;
 mod readout;
 mod versions;

@@ -1,11 +1,11 @@
 //! Checks that the README has at most 900 words, and that the READMEs' Rust examples work (`build.rs` extracts them).
-//! Their C examples are compiled and run by `.ci/c`, their commands by `readme_commands.rs`.
+//! Their C examples are compiled and run by `.ci/c`, their commands by `../../host_sim/documents.rs`.
 
 #![allow(elided_lifetimes_in_paths, reason = "the examples are written as most people write Rust")]
 
 #[test]
 fn the_readme_has_at_most_900_words() {
-    let words = include_str!("../../README.md").split_whitespace().count();
+    let words = include_str!("../../../README.md").split_whitespace().count();
     assert!(words <= 900, "README.md has {words} words");
 }
 

@@ -49,7 +49,7 @@ fn written(name: &str, text: &str, sentence: &str, figures: &[String]) -> String
 
 /// Returns a value of tests/budgets.txt, which `.ci/firmware --record` writes.
 fn budget(name: &str) -> f64 {
-    let budgets = include_str!("../budgets.txt");
+    let budgets = include_str!("../../budgets.txt");
     let line = budgets.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
     line.and_then(|line| line.trim().parse().ok()).unwrap_or_else(|| panic!("no {name} in budgets.txt"))
 }
@@ -69,7 +69,7 @@ fn documents() -> Vec<Document> {
         ]
         .to_vec()
     };
-    let script = include_str!("../../.ci/c");
+    let script = include_str!("../../../.ci/c");
     let limit = |beginning: &str| {
         let line = script.lines().find_map(|line| line.trim_start().strip_prefix(beginning));
         line.and_then(|line| line.split(' ').find(|word| word.parse::<u32>().is_ok())).expect("a limit").to_owned()
