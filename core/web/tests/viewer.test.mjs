@@ -498,11 +498,11 @@ const dropped = (page, name, type, content) => page.value(`{
 onViewer("a dropped recording says where it belongs, a message ends with the next step, and events follow the frame", async (page) => {
   await page.click("#plays");
   await dropped(page, "my clip.mp4", "video/mp4", "new Uint8Array(99)");
-  await says(page, "said", /^my clip\.mp4 has images, not boxes: .* host-sim view 'my clip\.mp4'$/);
+  await says(page, "said", /^my clip\.mp4 has pictures, not boxes: .* host-sim view 'my clip\.mp4'$/);
   await page.key("ArrowRight");
   await page.until(`document.getElementById("said").hidden`);
   await dropped(page, "no-type", "", "new Uint8Array([0, 0, 1, 0xba])");
-  await says(page, "said", /^no-type has images/);
+  await says(page, "said", /^no-type has pictures/);
   await dropped(page, "cars.csv", "text/csv", `"frame,x,y\\n"`);
   await says(page, "said", /cars\.csv: line 1: there is no column/);
   page.errors.length = 0; // of the refused request
@@ -552,7 +552,7 @@ onViewer("a live picture goes on, waits while a box is drawn, is followed, and c
   await page.call("Input.dispatchMouseEvent", { type: "mouseReleased", x: to[0], y: to[1], button: "left", buttons: 0, clickCount: 1 });
   await page.until(`/--init 60,40,30,30@\\d+/.test(document.getElementById("track").textContent)`);
   await page.until(`${number} > ${held + 20} && document.querySelector("#targets .now").textContent === "tracking"`);
-  assert.match(await page.text("load"), /^(No frame was dropped|1 frame was dropped: this machine was behind|\d+ frames were dropped: this machine was behind)\. The image is \d+ ms old\.$/);
+  assert.match(await page.text("load"), /^(No frame was dropped|1 frame was dropped: this machine was behind|\d+ frames were dropped: this machine was behind)\. The picture is \d+ ms old\.$/);
   await focus(page);
   await page.key("ArrowLeft");
   const here = await settled(page, number);

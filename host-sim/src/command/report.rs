@@ -273,7 +273,7 @@ fn json(films: &[FilmedRecording], methods: &[Variant], files: &[Written], left_
             "sequence": film.name,
             "frames": film.moments.len(),
             "notes": film.notes,
-            "pictures": film.pictures(),
+            "pictures": film.images(),
         })
     };
     let object = serde_json::json!({

@@ -73,7 +73,7 @@ struct Opened {
     name: String,
     source: Arc<dyn Source>,
     /// File names of the pictures; empty if the recording is not a folder of pictures.
-    pictures: Vec<String>,
+    images: Vec<String>,
     length: Option<usize>,
     beside: Option<Rect>,
 }
@@ -82,7 +82,7 @@ impl View {
     pub fn run(self) -> Result<Outcome> {
         Places::of([&self.source]).writes("--session", self.session.as_ref(), None).check()?;
         let given = self.tracker.variant(self.method.unwrap_or(MethodKind::Robust))?;
-        let Opened { name, source, pictures, length, beside } = self.open()?;
+        let Opened { name, source, images, length, beside } = self.open()?;
         let targets = self.targets(beside, length).with_context(|| name.clone())?;
         let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.gray;
         let is_live = source.live().is_some();
@@ -118,7 +118,7 @@ impl View {
             source,
             followed,
             made: Arc::clone(&made),
-            requests: Box::new(Desk { words, pictures }),
+            requests: Box::new(Desk { words, images }),
             session,
         };
         say(|out| match self.json {
@@ -139,8 +139,8 @@ impl View {
         if is_stdin || is_live(path) {
             let live = if is_stdin { Live::stdin()? } else { Live::open(path, patience.unwrap_or(FFMPEG_PATIENCE))? };
             let name = live.name.clone();
-            let (source, pictures) = (Arc::new(Camera::new(live)), Vec::new());
-            return Ok(Opened { name, source, pictures, length: None, beside: None });
+            let (source, images) = (Arc::new(Camera::new(live)), Vec::new());
+            return Ok(Opened { name, source, images, length: None, beside: None });
         }
         ensure!(
             is_seekable(path) || !path.exists(),
@@ -158,8 +158,8 @@ impl View {
             complain(&format!("note: {}: {note}", sequence.name));
         }
         let beside = sequence.init.is_some().then(|| sequence.start()).transpose()?;
-        let (pictures, length) = (sequence.source.picture_names(), sequence.length);
-        Ok(Opened { name: sequence.name, source: Arc::new(source), pictures, length, beside })
+        let (images, length) = (sequence.source.picture_names(), sequence.length);
+        Ok(Opened { name: sequence.name, source: Arc::new(source), images, length, beside })
     }
 
     /// Targets of the command line, or else the one from files beside the recording.
@@ -228,7 +228,7 @@ fn has_ffmpeg() -> bool {
 
 struct Desk {
     words: Vec<OsString>,
-    pictures: Vec<String>,
+    images: Vec<String>,
 }
 
 /// The options of a method, as the page sends them.
@@ -270,7 +270,7 @@ impl Requests for Desk {
             name: viewer.name.clone(),
             origin: followed.variant().origin(),
             targets: targets.iter().map(|(target, _)| is_named.then(|| target.name.clone())).collect(),
-            pictures: self.pictures.clone(),
+            images: self.images.clone(),
         };
         let mut printer = Printer::new(format, about);
         let mut text = printer.head();

@@ -75,7 +75,7 @@ pub struct About {
     /// Name of each target; `None` for a single target without a name.
     pub targets: Vec<Option<String>>,
     /// File names of the frames, if the recording is a folder of pictures; else empty.
-    pub pictures: Vec<String>,
+    pub images: Vec<String>,
 }
 
 impl About {
@@ -267,7 +267,7 @@ mod tests {
     fn printer(format: Format, method: MethodKind, targets: &[Option<&str>]) -> Printer {
         let origin = Variant::new(method, &Configs::from(paper::Config::paper())).origin();
         let targets = targets.iter().map(|name| name.map(str::to_owned)).collect();
-        Printer::new(format, About { name: "a & b".to_owned(), origin, targets, pictures: Vec::new() })
+        Printer::new(format, About { name: "a & b".to_owned(), origin, targets, images: Vec::new() })
     }
 
     fn answer(target: usize, frame: usize, report: Option<&Report>) -> Answer<'_> {

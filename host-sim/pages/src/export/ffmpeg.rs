@@ -162,7 +162,7 @@ impl Encoder {
 /// Kind of a stream in ffmpeg's list of packets (`-f framecrc`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stream {
-    Picture,
+    Image,
     Sound,
     Other,
 }
@@ -215,7 +215,7 @@ impl Packets {
         }
         let (kind, base) = &mut self.streams[number];
         match name {
-            "media_type" if value == "video" => *kind = Stream::Picture,
+            "media_type" if value == "video" => *kind = Stream::Image,
             "media_type" if value == "audio" => *kind = Stream::Sound,
             "tb" => {
                 let (unit, second) = value.split_once('/')?;
@@ -234,14 +234,14 @@ impl Packets {
 
     /// Counts the packets of pictures and of sound up to the end. Returns ffmpeg's message instead if ffmpeg failed.
     pub fn count(mut self) -> Result<std::result::Result<(usize, usize), String>> {
-        let (mut pictures, mut sounds) = (0, 0);
+        let (mut images, mut sounds) = (0, 0);
         while let Some((kind, _)) = self.next()? {
-            pictures += usize::from(kind == Stream::Picture);
+            images += usize::from(kind == Stream::Image);
             sounds += usize::from(kind == Stream::Sound);
         }
         let begin = Instant::now();
         let (status, said) = self.running.end(|| begin.elapsed() <= self.running.patience)?;
-        Ok(if status.success() { Ok((pictures, sounds)) } else { Err(said) })
+        Ok(if status.success() { Ok((images, sounds)) } else { Err(said) })
     }
 }
 
@@ -252,8 +252,8 @@ pub(super) fn check(file: &Path, frames: usize, patience: Duration) -> Result<us
     command.arg("-i").arg(smr_recordings::ffmpeg_input(file));
     command.args(["-map", "0", "-c", "copy", "-copyinkf", "-f", "framecrc", "-"]);
     match Packets::start(command, patience)?.count()? {
-        Ok((pictures, sounds)) if pictures == frames => Ok(sounds),
-        Ok((pictures, _)) => bail!("ffmpeg has written {pictures} of {frames} frames: is the disk full?"),
+        Ok((images, sounds)) if images == frames => Ok(sounds),
+        Ok((images, _)) => bail!("ffmpeg has written {images} of {frames} frames: is the disk full?"),
         Err(said) => bail!("ffmpeg has not written a whole video (is the disk full?): {said}"),
     }
 }

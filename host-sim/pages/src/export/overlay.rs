@@ -98,7 +98,7 @@ impl Overlay {
 
     pub fn label(&mut self, text: &str, color: Color) {
         let label = lettering(text, color);
-        self.picture(0, 0, &label);
+        self.image(0, 0, &label);
     }
 
     /// Writes a line of text on a dark background above the box, or in it if there is no space above.
@@ -110,13 +110,13 @@ impl Overlay {
         let most = |whole: u32, part: u32| f64::from(whole.saturating_sub(part));
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // inside the frame
         let place = |at: f64, most: f64| at.min(most).max(0.0) as u32;
-        self.picture(place(target.x, most(self.width, width)), place(top, most(self.height, height)), &label);
+        self.image(place(target.x, most(self.width, width)), place(top, most(self.height, height)), &label);
     }
 
-    fn picture(&mut self, left: u32, top: u32, picture: &Self) {
+    fn image(&mut self, left: u32, top: u32, image: &Self) {
         let dot = self.dot();
-        for y in 0..picture.height * dot {
-            (0..picture.width * dot).for_each(|x| self.set(left + x, top + y, picture.at(x / dot, y / dot)));
+        for y in 0..image.height * dot {
+            (0..image.width * dot).for_each(|x| self.set(left + x, top + y, image.at(x / dot, y / dot)));
         }
     }
 }

@@ -41,11 +41,11 @@ enum Shift {
 }
 
 impl Sound {
-    /// Writes the video `pictures`, which has `frames` frames, with this sound to `out`; `container` are the options of
+    /// Writes the video `images`, which has `frames` frames, with this sound to `out`; `container` are the options of
     /// its format. Errors: the file cannot be written.
     pub fn add(
         &self,
-        (pictures, frames): (&Path, usize),
+        (images, frames): (&Path, usize),
         out: &Path,
         (codec, container): (Codec, &[&str]),
         patience: Duration,
@@ -61,7 +61,7 @@ impl Sound {
         let mut written = Ok(0);
         // Where recordings are joined, ffmpeg takes the last packets of a part for damaged, also those of the pictures.
         for before in [&[][..], &["-fflags", "+discardcorrupt"]] {
-            written = self.write(before, (pictures, frames), out, (&filter, codec, container), patience);
+            written = self.write(before, (images, frames), out, (&filter, codec, container), patience);
             if written.as_ref().is_ok_and(|&sounds| sounds > 0) {
                 return Ok(Added::Sound);
             }
@@ -70,7 +70,7 @@ impl Sound {
         let mut alone = command();
         alone.arg("-i").arg(ffmpeg_input(&self.recording));
         alone.args(["-map", "0:a:0", "-af", &filter]).args(codec.options).args(["-f", "framecrc", "-"]);
-        alone.args(unread_pictures(0));
+        alone.args(unread_images(0));
         match Packets::start(alone, patience)?.count()? {
             Ok((_, 0)) => Ok(Added::Unreadable(format!("{recording} has no sound in these frames"))),
             Ok(_) => written.map(|_| Added::Sound),
@@ -83,17 +83,17 @@ impl Sound {
     fn write(
         &self,
         before: &[&str],
-        (pictures, frames): (&Path, usize),
+        (images, frames): (&Path, usize),
         out: &Path,
         (filter, codec, container): (&str, Codec, &[&str]),
         patience: Duration,
     ) -> Result<usize> {
         let mut both = command();
-        both.arg("-i").arg(ffmpeg_input(pictures)).args(before).arg("-i").arg(ffmpeg_input(&self.recording));
+        both.arg("-i").arg(ffmpeg_input(images)).args(before).arg("-i").arg(ffmpeg_input(&self.recording));
         both.args(["-map", "0:v", "-c:v", "copy", "-map", "1:a:0", "-af", filter]).args(codec.options);
         // Sound that begins late makes ffmpeg hold back all pictures before it.
         both.args(["-map_chapters", "-1", "-max_muxing_queue_size", "1000000000"]);
-        both.args(container).arg("-y").arg(out).args(unread_pictures(1)).stdin(Stdio::null());
+        both.args(container).arg("-y").arg(out).args(unread_images(1)).stdin(Stdio::null());
         Writing::start(both, out, patience)?.end()?;
         check(out, frames, patience)
     }
@@ -107,7 +107,7 @@ impl Sound {
             command.args(["-c", "copy", "-f", "framecrc", "-"]);
             let mut packets = Packets::start(command, patience)?;
             while let Some((kind, at)) = packets.next()? {
-                if kind == Stream::Picture {
+                if kind == Stream::Image {
                     return Ok((Some(at), packets));
                 }
             }
@@ -115,7 +115,7 @@ impl Sound {
         };
         let (both, packets) = first(&[], &["-map", "0:V:0", "-map", "0:a:0?"])?;
         if !packets.has(Stream::Sound) {
-            let is_read = both.is_some() || packets.has(Stream::Picture);
+            let is_read = both.is_some() || packets.has(Stream::Image);
             return Ok(if is_read { Shift::NoSound } else { Shift::Unknown(packets.words()?) });
         }
         // The options by which the frames of the recording get their times.
@@ -132,6 +132,6 @@ impl Sound {
 }
 
 /// Options for an output that drops the pictures of input `number`. They must be read, because `shift` counts on it.
-fn unread_pictures(number: u32) -> [String; 7] {
+fn unread_images(number: u32) -> [String; 7] {
     ["-map", &format!("{number}:V:0"), "-c", "copy", "-f", "null", "-"].map(str::to_owned)
 }

@@ -18,7 +18,7 @@ pub const ENDINGS: [&str; 4] = ["mp4", "mov", "mkv", "webm"];
 #[derive(Clone, Copy)]
 struct Kind {
     /// Codec of the pictures, if not the default one.
-    pictures: &'static [&'static str],
+    images: &'static [&'static str],
     sound: Codec,
     container: &'static [&'static str],
 }
@@ -36,11 +36,11 @@ const FLAC: Codec = Codec {
 /// The kind of each of [`ENDINGS`]. `+faststart` puts the index first, as players expect. The options for VP9 make it as
 /// fast as H.264.
 const KINDS: [Kind; 4] = [
-    Kind { pictures: &[], sound: AAC, container: &["-movflags", "+faststart", "-f", "mp4"] },
-    Kind { pictures: &[], sound: AAC, container: &["-movflags", "+faststart", "-f", "mov"] },
-    Kind { pictures: &[], sound: FLAC, container: &["-f", "matroska"] },
+    Kind { images: &[], sound: AAC, container: &["-movflags", "+faststart", "-f", "mp4"] },
+    Kind { images: &[], sound: AAC, container: &["-movflags", "+faststart", "-f", "mov"] },
+    Kind { images: &[], sound: FLAC, container: &["-f", "matroska"] },
     Kind {
-        pictures: &["-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1", "-crf", "32", "-b:v", "0"],
+        images: &["-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1", "-crf", "32", "-b:v", "0"],
         sound: OPUS,
         container: &["-f", "webm"],
     },
@@ -57,7 +57,7 @@ pub struct VideoWriter {
 enum Way {
     /// ffmpeg (once started), output, kind. Fields drop in order, so that ffmpeg ends before the file is removed.
     Video(Option<Encoder>, Output, Kind),
-    Pictures(Folder),
+    Images(Folder),
 }
 
 /// Settings of a film: the recording's sound, the frame number and the patience with ffmpeg.
@@ -81,7 +81,7 @@ impl VideoWriter {
         let extension = extension.and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
         let way = match ENDINGS.iter().position(|ending| *ending == extension) {
             Some(kind) => Way::Video(None, Output::create(out)?, KINDS[kind]),
-            None if extension.is_empty() => Way::Pictures(Folder::create(out)?),
+            None if extension.is_empty() => Way::Images(Folder::create(out)?),
             None => bail!(
                 "{}: expected a video that ends in .{}, or a folder (no ending, or a / after it)",
                 out.display(),
@@ -96,9 +96,7 @@ impl VideoWriter {
         let (time, number) = (self.timeline.next(moment), self.plan.number);
         self.plan.number += 1;
         match &mut self.way {
-            Way::Pictures(folder) => {
-                folder.write(&format!("{number:05}.png"), &rgb_png(overlay.size(), overlay.rgb())?)
-            }
+            Way::Images(folder) => folder.write(&format!("{number:05}.png"), &rgb_png(overlay.size(), overlay.rgb())?),
             Way::Video(encoder, output, kind) => {
                 let mut write = || {
                     let mut bytes = matroska::frame((time, self.timeline.interval), overlay.rgb());
@@ -121,7 +119,7 @@ impl VideoWriter {
     pub fn finish(self) -> Result<Option<String>> {
         let Self { name, plan, way, timeline } = self;
         match way {
-            Way::Pictures(folder) => folder.finish().map(|()| None),
+            Way::Images(folder) => folder.finish().map(|()| None),
             Way::Video(encoder, output, kind) => {
                 let end = || {
                     encoder.context("there is no frame")?.end()?;
@@ -144,19 +142,19 @@ fn ended(
     kind: Kind,
 ) -> Result<(Output, Option<String>)> {
     let (patience, frames) = (plan.patience, timeline.frames);
-    let pictures = output.path().context("a video is a file")?;
+    let images = output.path().context("a video is a file")?;
     let mut note = None;
     if let Some((recording, start)) = plan.sound.clone().zip(timeline.start()) {
         let sound = Sound { recording, start, length: plan.is_cut.then(|| timeline.length()) };
         let whole = Output::create(name)?;
         let file = whole.path().context("a video is a file")?;
-        match sound.add((pictures, frames), file, (kind.sound, kind.container), patience)? {
+        match sound.add((images, frames), file, (kind.sound, kind.container), patience)? {
             Added::Sound => return Ok((whole, None)),
             Added::NoStream => {}
             Added::Unreadable(why) => note = Some(why),
         }
     }
-    ffmpeg::check(pictures, frames, patience)?;
+    ffmpeg::check(images, frames, patience)?;
     Ok((output, note))
 }
 
@@ -173,7 +171,7 @@ fn command(timeline: &Timeline, aspect: (u32, u32), kind: Kind) -> Command {
     command.args(["-vf", &filter, "-pix_fmt", "yuv420p"]);
     command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
     let base = timeline.base();
-    command.args(["-enc_time_base", &format!("{}:{}", base.0, base.1)]).args(kind.pictures).args(kind.container);
+    command.args(["-enc_time_base", &format!("{}:{}", base.0, base.1)]).args(kind.images).args(kind.container);
     command
 }
 

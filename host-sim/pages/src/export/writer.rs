@@ -104,7 +104,7 @@ impl Writer {
         writer.written.list = is_listed.then(|| out.with_file_name("list.txt"));
         // The folder must be empty, because files in it would become part of the recording or be lost.
         let folder = Folder::create(out)?;
-        if let Some((inner, _)) = picture(format, 1).split_once('/') {
+        if let Some((inner, _)) = image(format, 1).split_once('/') {
             folder.folder(inner)?;
         }
         if matches!(format, Format::Y4m | Format::Raw | Format::H) {
@@ -141,8 +141,8 @@ impl Writer {
         if let Some(file) = &mut self.file {
             return file.write(bytes);
         }
-        let picture = picture(self.format, self.written.frames);
-        self.folder.as_ref().map_or(Ok(()), |folder| folder.write(&picture, bytes))
+        let image = image(self.format, self.written.frames);
+        self.folder.as_ref().map_or(Ok(()), |folder| folder.write(&image, bytes))
     }
 
     /// Ends the recording. A folder not for a toolkit gets the start box in `init.txt` and `truth` in `gt.txt`, both in
@@ -187,7 +187,7 @@ pub fn is_whole(truth: &[Option<BoundingBox>], frames: usize) -> bool {
     truth.len() == frames && truth.first().is_some_and(Option::is_some)
 }
 
-fn picture(format: Format, number: usize) -> String {
+fn image(format: Format, number: usize) -> String {
     match format {
         Format::Vot => format!("color/{number:08}.png"),
         Format::Otb => format!("img/{number:04}.jpg"),

@@ -1,4 +1,4 @@
-//! Absolute differences |F - G| between the pixels of a patch F of the frame and of the template G, and their picture.
+//! Absolute differences |F - G| between the pixels of a patch F of the frame and of the template G, and their image.
 
 use crate::colors::Color;
 use crate::encode::palette_png;

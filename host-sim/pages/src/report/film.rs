@@ -1,6 +1,6 @@
-//! Runs tracking methods through a recording. The result, a film, has their answers in every frame and some pictures.
+//! Runs tracking methods through a recording. The result, a film, has their answers in every frame and some images.
 
-use super::player_frames::Pictures;
+use super::player_frames::Images;
 use super::search::{self, Observation, ObservedTracker};
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
@@ -29,7 +29,7 @@ pub struct FilmedRecording {
     pub(super) times: Vec<Option<f64>>,
     pub(super) stills: Vec<Still>,
     pub(super) truth: Option<Vec<Option<BoundingBox>>>,
-    pub(super) pictures: Option<Pictures>,
+    pub(super) images: Option<Images>,
     pub(super) files: Vec<ResultFile>,
     /// For each entry of `files`, the index of its name among the page's distinct file names. It selects the color.
     pub(super) file_name_indices: Vec<usize>,
@@ -117,7 +117,7 @@ pub fn watch(
     let mut notes = Vec::new();
     let (mut kept, mut moments, mut size) = (Vec::new(), Vec::<Moment>::new(), (0, 0));
     let mut times = Vec::new();
-    let mut pictures = budget.map(Pictures::new);
+    let mut images = budget.map(Images::new);
     for (index, frame) in frames.enumerate() {
         let Frame { gray: frame, color, moment, .. } = frame?;
         if index == 0 && refusal == Refusal::LeftOut {
@@ -134,8 +134,8 @@ pub fn watch(
         size = (frame.width, frame.height);
         moments.push(Moment { reports, lasts: observations.iter().map(|observation| observation.bbox).collect() });
         times.push(moment.map(|moment| moment.seconds()));
-        if let Some((pictures, color)) = pictures.as_mut().zip(color) {
-            pictures.offer(index, &color, &observations)?;
+        if let Some((images, color)) = images.as_mut().zip(color) {
+            images.offer(index, &color, &observations)?;
         }
         if stills.contains(&index) {
             kept.push(Still { index, frame, observations });
@@ -160,7 +160,7 @@ pub fn watch(
         times,
         stills: kept,
         truth,
-        pictures,
+        images,
         files: Vec::new(),
         file_name_indices: Vec::new(),
         first,
@@ -198,10 +198,10 @@ fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first
 }
 
 impl FilmedRecording {
-    /// Returns as JSON the count of the player's pictures and their longest side in pixels; `None` without pictures.
-    pub fn pictures(&self) -> Option<Value> {
-        let pictures = self.pictures.as_ref()?;
-        Some(json!({ "frames": pictures.kept.len(), "longest_side": pictures.side() }))
+    /// Returns as JSON the count of the player's images and their longest side in pixels; `None` without images.
+    pub fn images(&self) -> Option<Value> {
+        let images = self.images.as_ref()?;
+        Some(json!({ "frames": images.kept.len(), "longest_side": images.side() }))
     }
 
     /// Adds result files of other trackers. They cover the whole recording; `part` is the range that the film covers.

@@ -2,7 +2,7 @@
 
 use super::film::{FilmedRecording, Locked};
 use super::page_data::data;
-use super::player_frames::Pictures;
+use super::player_frames::Images;
 use super::scores::{Measured, scores};
 use super::trackers::{SENTENCE, TITLE, looks, place_files, titled};
 use crate::front_end::{STYLES, WORDS, import_map};
@@ -24,9 +24,9 @@ pub struct About {
     pub options: String,
 }
 
-/// Renders the page in at most `budget` bytes: pictures of frames get smaller, then fewer, until it fits.
-/// Errors: No film, ground truth of another length, a picture that cannot be encoded, or a page over the budget even
-/// with the fewest and smallest pictures.
+/// Renders the page in at most `budget` bytes: images of frames get smaller, then fewer, until it fits.
+/// Errors: No film, ground truth of another length, an image that cannot be encoded, or a page over the budget even
+/// with the fewest and smallest images.
 pub fn page(films: &mut [FilmedRecording], about: &About, budget: usize) -> Result<String> {
     ensure!(!films.is_empty(), "there is no recording to show");
     place_files(films);
@@ -35,9 +35,9 @@ pub fn page(films: &mut [FilmedRecording], about: &About, budget: usize) -> Resu
         if page.len() <= budget {
             return Ok(page);
         }
-        let pictured = films.iter_mut().filter_map(|film| film.pictures.as_mut());
-        let largest = pictured.max_by_key(|pictures| pictures.bytes());
-        let shrunk = largest.map(Pictures::shrink).transpose()?.unwrap_or(false);
+        let imaged = films.iter_mut().filter_map(|film| film.images.as_mut());
+        let largest = imaged.max_by_key(|images| images.bytes());
+        let shrunk = largest.map(Images::shrink).transpose()?.unwrap_or(false);
         let bytes = page.len().div_ceil(1_000_000);
         ensure!(shrunk, "the page has {bytes} MB with next to no frames: expected --budget {bytes} or more");
     }
@@ -75,7 +75,7 @@ fn recording(film: &FilmedRecording) -> Result<Value> {
         seconds => film.times.last().and_then(|last| Some(format!("{:.1}", (*last)? - film.times[0]?))),
         states => Serde(states(film)),
         lead => lead(film)?,
-        every => film.pictures.as_ref().map_or(1, |pictures| pictures.every),
+        every => film.images.as_ref().map_or(1, |images| images.every),
     })
 }
 
@@ -222,7 +222,7 @@ mod tests {
         let mut films = [film(|sequence| sequence)];
         let whole = page(&mut films, &about(), BUDGET).unwrap().len();
         let less = page(&mut films, &about(), whole * 2 / 3).unwrap();
-        assert!(less.len() <= whole * 2 / 3 && films[0].pictures.as_ref().unwrap().every > 1);
+        assert!(less.len() <= whole * 2 / 3 && films[0].images.as_ref().unwrap().every > 1);
         let error = page(&mut films, &about(), 1000).unwrap_err().to_string();
         assert!(error.contains("expected --budget 1 or more"), "{error}");
     }

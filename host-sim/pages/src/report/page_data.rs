@@ -1,8 +1,8 @@
-//! Data for the script of the report, as JSON: boxes and scores of every frame, and pictures of some or all frames.
+//! Data for the script of the report, as JSON: boxes and scores of every frame, and images of some or all frames.
 
 use super::difference::{BAR, BARS};
 use super::film::{FilmedRecording, Locked, Moment};
-use super::player_frames::Pictures;
+use super::player_frames::Images;
 use super::trackers::{Entrant, TRUTH_LOOK, entrants};
 use crate::encode::{base64, rounded};
 use anyhow::{Context, Result};
@@ -34,7 +34,7 @@ fn recording(film: &FilmedRecording) -> Result<Value> {
         "parting": failure.map(|(index, _)| index + film.first),
         "targets": film.targets.iter().map(|target| target_of(film, target)).collect::<Vec<_>>(),
         "entrants": entrants,
-        "images": film.pictures.as_ref().map(pictures),
+        "images": film.images.as_ref().map(images),
     }))
 }
 
@@ -99,9 +99,9 @@ fn figures(film: &FilmedRecording, entrant: &Entrant) -> Result<Value> {
     }))
 }
 
-fn pictures(Pictures { every, kept, .. }: &Pictures) -> Value {
-    let frames: Vec<String> = kept.iter().map(|picture| base64(&picture.jpeg)).collect();
-    let comparisons: Vec<_> = kept.iter().map(|picture| &picture.comparisons).collect();
+fn images(Images { every, kept, .. }: &Images) -> Value {
+    let frames: Vec<String> = kept.iter().map(|image| base64(&image.jpeg)).collect();
+    let comparisons: Vec<_> = kept.iter().map(|image| &image.comparisons).collect();
     json!({ "every": every, "frames": frames, "comparisons": comparisons })
 }
 

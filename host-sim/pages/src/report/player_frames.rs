@@ -1,4 +1,4 @@
-//! Small pictures of frames for the report's player, in a limited number of bytes: they get smaller, then fewer.
+//! Small images of frames for the report's player, in a limited number of bytes: they get smaller, then fewer.
 
 use super::difference::{BARS, differences, patch};
 use super::search::{Observation, Search};
@@ -7,24 +7,24 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use smr_recordings::{ColorFrame, GrayFrame, decode_colors};
 
-/// Longest side of a picture in pixels, however large the budget is.
+/// Longest side of an image in pixels, however large the budget is.
 const LARGEST: u16 = 960;
-/// Lower limit for the longest side of scaled-down pictures, in pixels; at it, every other picture is removed instead.
+/// Lower limit for the longest side of scaled-down images, in pixels; at it, every other image is removed instead.
 const SMALL: u16 = 320;
 /// Longest side in pixels of a template or difference map; a larger one is subsampled by 2, 3, ...
 const LARGEST_PATCH: u16 = 64;
 
-/// Pictures of some or all frames, each with the methods' templates and difference maps in that frame.
-pub(super) struct Pictures {
-    /// Largest size of all pictures in the page together, in bytes.
+/// Images of some or all frames, each with the methods' templates and difference maps in that frame.
+pub(super) struct Images {
+    /// Largest size of all images in the page together, in bytes.
     limit: usize,
     side: u16,
     /// Only frames whose index is a multiple of this are kept.
     pub every: usize,
-    pub kept: Vec<Picture>,
+    pub kept: Vec<Image>,
 }
 
-pub(super) struct Picture {
+pub(super) struct Image {
     index: usize,
     /// Longest side of the JPEG in pixels.
     side: u16,
@@ -34,12 +34,12 @@ pub(super) struct Picture {
     compared: usize,
 }
 
-impl Pictures {
+impl Images {
     pub fn new(limit: usize) -> Self {
         Self { limit, side: LARGEST, every: 1, kept: Vec::new() }
     }
 
-    /// Adds frame `index` if it is a multiple of `every`, and shrinks the pictures while they exceed the limit.
+    /// Adds frame `index` if it is a multiple of `every`, and shrinks the images while they exceed the limit.
     pub fn offer(&mut self, index: usize, frame: &ColorFrame, observations: &[Observation]) -> Result<()> {
         if !index.is_multiple_of(self.every) {
             return Ok(());
@@ -48,29 +48,29 @@ impl Pictures {
         let (comparisons, sizes): (Vec<_>, Vec<usize>) = compared.into_iter().unzip();
         let jpeg = small(frame, self.side)?;
         let side = frame.width.max(frame.height).min(self.side);
-        self.kept.push(Picture { index, side, jpeg, comparisons, compared: sizes.iter().sum() });
+        self.kept.push(Image { index, side, jpeg, comparisons, compared: sizes.iter().sum() });
         while self.bytes() > self.limit && self.shrink()? {}
         Ok(())
     }
 
-    /// Returns the size in bytes of all pictures in the page, where base64 encodes 3 bytes as 4 characters.
+    /// Returns the size in bytes of all images in the page, where base64 encodes 3 bytes as 4 characters.
     pub fn bytes(&self) -> usize {
-        self.kept.iter().map(|picture| picture.jpeg.len().div_ceil(3) * 4 + picture.compared).sum()
+        self.kept.iter().map(|image| image.jpeg.len().div_ceil(3) * 4 + image.compared).sum()
     }
 
     pub fn side(&self) -> u16 {
         self.kept.first().map_or(0, |first| first.side)
     }
 
-    /// Halves the longest side of the pictures, but not below `SMALL`; at `SMALL`, halves their number instead. Returns
-    /// false if only one small picture is left.
+    /// Halves the longest side of the images, but not below `SMALL`; at `SMALL`, halves their number instead. Returns
+    /// false if only one small image is left.
     pub fn shrink(&mut self) -> Result<bool> {
         let side = self.side();
         if side > SMALL {
             self.side = (side / 2).max(SMALL);
-            for picture in &mut self.kept {
-                picture.jpeg = small(&decode_colors(&picture.jpeg)?, self.side)?;
-                picture.side = self.side;
+            for image in &mut self.kept {
+                image.jpeg = small(&decode_colors(&image.jpeg)?, self.side)?;
+                image.side = self.side;
             }
             return Ok(true);
         }
@@ -78,7 +78,7 @@ impl Pictures {
             return Ok(false);
         }
         self.every *= 2;
-        self.kept.retain(|picture| picture.index.is_multiple_of(self.every));
+        self.kept.retain(|image| image.index.is_multiple_of(self.every));
         Ok(true)
     }
 }
@@ -114,10 +114,10 @@ mod tests {
     use super::*;
     use smr_recordings::synthetic;
 
-    fn taken(limit: usize, frames: usize) -> Pictures {
-        let mut pictures = Pictures::new(limit);
-        (0..frames).for_each(|index| pictures.offer(index, &(&synthetic::frame(index)).into(), &[]).unwrap());
-        pictures
+    fn taken(limit: usize, frames: usize) -> Images {
+        let mut images = Images::new(limit);
+        (0..frames).for_each(|index| images.offer(index, &(&synthetic::frame(index)).into(), &[]).unwrap());
+        images
     }
 
     #[test]
@@ -127,7 +127,7 @@ mod tests {
         let some = taken(all.bytes() / 3, 40);
         assert!(some.bytes() <= all.bytes() / 3);
         assert_eq!((some.kept.len(), some.every), (10, 4));
-        assert!(some.kept.iter().all(|picture| picture.index.is_multiple_of(4)));
+        assert!(some.kept.iter().all(|image| image.index.is_multiple_of(4)));
         assert_eq!(taken(0, 40).kept.len(), 1, "the first frame stays");
     }
 
@@ -136,14 +136,14 @@ mod tests {
         let pixels =
             (0..2000 * 1000_u32).map(|at| [(at.wrapping_mul(2_654_435_761) >> 26).to_le_bytes()[0], 7, 200]).collect();
         let frame = ColorFrame { width: 2000, height: 1000, pixels };
-        let mut pictures = Pictures::new(usize::MAX);
-        (0..2).for_each(|index| pictures.offer(index, &frame, &[]).unwrap());
-        let mut sides = vec![pictures.side()];
-        while pictures.kept.len() == 2 && pictures.shrink().unwrap() {
-            sides.push(pictures.side());
+        let mut images = Images::new(usize::MAX);
+        (0..2).for_each(|index| images.offer(index, &frame, &[]).unwrap());
+        let mut sides = vec![images.side()];
+        while images.kept.len() == 2 && images.shrink().unwrap() {
+            sides.push(images.side());
         }
         assert_eq!(sides, [960, 480, 320, 320]);
-        let [red, green, blue] = decode_colors(&pictures.kept[0].jpeg).unwrap().pixels[9];
+        let [red, green, blue] = decode_colors(&images.kept[0].jpeg).unwrap().pixels[9];
         assert!(red < 80 && green < 40 && blue > 150, "as blue as it was: {red} {green} {blue}");
     }
 

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 /// Largest size of all cached gray frames in bytes: seven seconds of 640x480 at 30 frames a second.
 const MAX_GRAY: usize = 64 << 20;
 /// Largest size of all cached JPEGs in bytes: some minutes of video.
-const MAX_PICTURES: usize = 160 << 20;
+const MAX_IMAGES: usize = 160 << 20;
 
 /// Frame number, and the frame's colors either as luma and chroma planes or as RGB.
 type Colors = (usize, Option<Planes>, Option<ColorFrame>);
@@ -40,7 +40,7 @@ struct ArrivedFrame {
 
 struct State {
     gray: FrameCache<ArrivedFrame>,
-    pictures: FrameCache<Arc<Vec<u8>>>,
+    images: FrameCache<Arc<Vec<u8>>>,
     newest: usize,
     dropped: usize,
     latency_ms: f64,
@@ -53,7 +53,7 @@ impl State {
     fn new() -> Self {
         Self {
             gray: FrameCache::new(MAX_GRAY, |came: &ArrivedFrame| came.gray.pixels.len()),
-            pictures: FrameCache::new(MAX_PICTURES, |picture| picture.len()),
+            images: FrameCache::new(MAX_IMAGES, |image| image.len()),
             newest: 0,
             dropped: 0,
             latency_ms: 0.0,
@@ -72,7 +72,7 @@ impl Shared {
         lock(&self.state)
     }
 
-    fn read(&self, frames: Frames, pictures: &SyncSender<Colors>) {
+    fn read(&self, frames: Frames, images: &SyncSender<Colors>) {
         let mut said = None;
         for frame in frames {
             match frame {
@@ -86,7 +86,7 @@ impl Shared {
                     drop(kept);
                     self.came.notify_all();
                     // While the JPEG encoder is busy, frames get no JPEG.
-                    if let Err(TrySendError::Disconnected(_)) = pictures.try_send((number, planes, color)) {
+                    if let Err(TrySendError::Disconnected(_)) = images.try_send((number, planes, color)) {
                         break;
                     }
                 }
@@ -97,12 +97,12 @@ impl Shared {
         self.came.notify_all();
     }
 
-    fn encode(&self, pictures: &Receiver<Colors>) {
-        for (number, planes, color) in pictures {
+    fn encode(&self, images: &Receiver<Colors>) {
+        for (number, planes, color) in images {
             let color = planes.map(|planes| planes.color()).or(color);
             let small = color.map(|color| encode::within(&color, SIDE));
-            if let Some(Ok(picture)) = small.map(|small| encode::color_jpeg(&small, encode::ENOUGH)) {
-                self.kept().pictures.keep(number, Arc::new(picture));
+            if let Some(Ok(image)) = small.map(|small| encode::color_jpeg(&small, encode::ENOUGH)) {
+                self.kept().images.keep(number, Arc::new(image));
             }
         }
     }
@@ -162,10 +162,10 @@ impl Camera {
 
     fn of(frames: Frames) -> Self {
         let shared = Arc::new(Shared { begin: Instant::now(), state: Mutex::new(State::new()), came: Condvar::new() });
-        let (sender, pictures) = sync_channel(1);
+        let (sender, images) = sync_channel(1);
         let (reader, encoder) = (Arc::clone(&shared), Arc::clone(&shared));
         thread::spawn(move || reader.read(frames, &sender));
-        thread::spawn(move || encoder.encode(&pictures));
+        thread::spawn(move || encoder.encode(&images));
         Self(shared)
     }
 }
@@ -192,10 +192,10 @@ impl Source for Camera {
     }
 
     /// Returns the JPEG of the frame or, if it has none, of the nearest frame before it.
-    fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
+    fn image(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         let kept = self.0.kept();
-        let nearest = kept.pictures.all().range(..=number).next_back();
-        nearest.filter(|_| number <= kept.newest).map(|(_, picture)| Arc::clone(picture))
+        let nearest = kept.images.all().range(..=number).next_back();
+        nearest.filter(|_| number <= kept.newest).map(|(_, image)| Arc::clone(image))
     }
 
     fn live(&self) -> Option<LiveState> {
@@ -204,7 +204,7 @@ impl Source for Camera {
         #[allow(clippy::cast_precision_loss)] // far below 2^52
         let rate = kept.newest as f64 / seconds.max(0.001);
         Some(LiveState {
-            oldest: kept.pictures.all().first_key_value().map_or(1, |(first, _)| *first),
+            oldest: kept.images.all().first_key_value().map_or(1, |(first, _)| *first),
             newest: kept.newest,
             dropped: kept.dropped,
             latency_ms: (kept.latency_ms * 10.0).round() / 10.0,
@@ -231,7 +231,7 @@ mod tests {
 
     fn wait_for(camera: &Camera, newest: usize) {
         let begin = Instant::now();
-        while camera.live().unwrap().newest < newest || camera.0.kept().pictures.all().is_empty() {
+        while camera.live().unwrap().newest < newest || camera.0.kept().images.all().is_empty() {
             assert!(begin.elapsed() < Duration::from_secs(20));
             thread::sleep(Duration::from_millis(2));
         }
@@ -275,7 +275,7 @@ mod tests {
         drop(sender);
         assert_eq!(next().unwrap_err().to_string(), "the source has ended");
         assert!(seen.next().is_none() && camera.live().unwrap().has_ended);
-        assert!(camera.picture(12).is_some() && camera.picture(13).is_none());
+        assert!(camera.image(12).is_some() && camera.image(13).is_none());
     }
 
     #[test]
@@ -286,10 +286,10 @@ mod tests {
         for number in 1..=20 {
             let gray = GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] };
             kept.gray.keep(number, ArrivedFrame { gray, seconds: None, arrived: Instant::now() });
-            kept.pictures.keep(number, Arc::new(vec![0; 20 << 20]));
+            kept.images.keep(number, Arc::new(vec![0; 20 << 20]));
         }
-        let all = (kept.gray.all().len(), kept.pictures.all().len());
-        assert_eq!(all, (MAX_GRAY >> 23, MAX_PICTURES / (20 << 20)));
+        let all = (kept.gray.all().len(), kept.images.all().len());
+        assert_eq!(all, (MAX_GRAY >> 23, MAX_IMAGES / (20 << 20)));
         drop(kept);
         let error = camera.gray_from(3).err().unwrap().to_string();
         assert_eq!(error, "trackers can go back to frame 13 only: lock in a newer frame");

@@ -41,11 +41,11 @@ struct Opened {
 /// An open recording with the frames that it had when opened, and its caches.
 struct Recorded {
     recording: Seekable,
-    pictures: Mutex<Pictures>,
+    images: Mutex<Images>,
     colors: Mutex<FrameCache<Arc<ColorFrame>>>,
 }
 
-struct Pictures {
+struct Images {
     kept: FrameCache<Arc<Vec<u8>>>,
     /// Number of the next frame, and an iterator that starts with it.
     reader: Option<(usize, Box<dyn Iterator<Item = ColorFrame> + Send>)>,
@@ -105,25 +105,25 @@ impl Source for Growing {
         self.recorded().recording.gray_from(number)
     }
 
-    fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
+    fn image(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         let recorded = self.recorded();
-        let mut pictures = lock(&recorded.pictures);
-        if let Some(picture) = pictures.kept.all().get(&number) {
-            return Some(Arc::clone(picture));
+        let mut images = lock(&recorded.images);
+        if let Some(image) = images.kept.all().get(&number) {
+            return Some(Arc::clone(image));
         }
-        let is_near = pictures.reader.as_ref().is_some_and(|(next, _)| (*next..next + NEAR).contains(&number));
-        let steps_back = number < pictures.last && pictures.last - number < NEAR;
+        let is_near = images.reader.as_ref().is_some_and(|(next, _)| (*next..next + NEAR).contains(&number));
+        let steps_back = number < images.last && images.last - number < NEAR;
         let begin = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
-        pictures.last = number;
+        images.last = number;
         // If an attempt that starts at an earlier frame fails, a second one seeks to the requested frame itself.
         let begins = [Some(begin).filter(|_| !is_near), Some(number).filter(|_| is_near || begin < number)];
         begins.into_iter().find_map(|begin| {
             if let Some(begin) = begin {
                 // Dropping the former reader ends its ffmpeg before the next one starts.
-                pictures.reader = None;
-                pictures.reader = Some((begin, recorded.recording.color_from(begin, SIDE).ok()?));
+                images.reader = None;
+                images.reader = Some((begin, recorded.recording.color_from(begin, SIDE).ok()?));
             }
-            pictures.read_to(number, &recorded.colors)
+            images.read_to(number, &recorded.colors)
         })
     }
 
@@ -151,13 +151,13 @@ fn size(path: &Path) -> u64 {
 
 impl Recorded {
     fn new(recording: Seekable) -> Arc<Self> {
-        let pictures = Pictures { kept: FrameCache::new(MAX_BYTES, |picture| picture.len()), reader: None, last: 0 };
+        let images = Images { kept: FrameCache::new(MAX_BYTES, |image| image.len()), reader: None, last: 0 };
         let colors = FrameCache::new(MAX_PIXELS, |frame: &Arc<ColorFrame>| frame.pixels.len());
-        Arc::new(Self { recording, pictures: Mutex::new(pictures), colors: Mutex::new(colors) })
+        Arc::new(Self { recording, images: Mutex::new(images), colors: Mutex::new(colors) })
     }
 }
 
-impl Pictures {
+impl Images {
     fn read_to(&mut self, number: usize, colors: &Mutex<FrameCache<Arc<ColorFrame>>>) -> Option<Arc<Vec<u8>>> {
         loop {
             let (next, frames) = self.reader.as_mut()?;
@@ -167,14 +167,14 @@ impl Pictures {
                 return None;
             };
             *next += 1;
-            let picture = Arc::new(encode::color_jpeg(&encode::within(&frame, SIDE), encode::GOOD).ok()?);
-            self.kept.keep(at, Arc::clone(&picture));
+            let image = Arc::new(encode::color_jpeg(&encode::within(&frame, SIDE), encode::GOOD).ok()?);
+            self.kept.keep(at, Arc::clone(&image));
             // A frame with a side of `SIDE` is not cached as full resolution: ffmpeg may have scaled it down.
             if frame.width.max(frame.height) < SIDE {
                 lock(colors).keep(at, Arc::new(frame));
             }
             if at == number {
-                return Some(picture);
+                return Some(image);
             }
         }
     }
@@ -185,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_one_level_down_count() {
+    fn images_one_level_down_count() {
         let folder = tempfile::tempdir().unwrap();
         fs::create_dir(folder.path().join("img")).unwrap();
         let before = size(folder.path());
@@ -204,7 +204,7 @@ mod tests {
         assert_eq!((sequence.frames.count(), source.known().frames), (3, Some(3)));
         fs::remove_file(folder.path().join("2.pgm")).unwrap();
         assert_eq!(
-            [1, 3, 2, 1, 3, 2].map(|number| source.picture(number).is_some()),
+            [1, 3, 2, 1, 3, 2].map(|number| source.image(number).is_some()),
             [true, true, false, true, true, false]
         );
         (2..=5).try_for_each(write).unwrap();
@@ -214,7 +214,7 @@ mod tests {
             thread::sleep(Duration::from_millis(50));
         }
         assert_eq!(source.known().frames, Some(5));
-        assert!(begin.elapsed() > LOOKS && source.picture(5).is_some());
+        assert!(begin.elapsed() > LOOKS && source.image(5).is_some());
         assert_eq!(source.gray_from(5).unwrap().next().unwrap().unwrap().gray.pixels[0], 5);
         let index = Known { frames: Some(7), times: vec![0.5; 7] };
         lock(&source.opened).known = index.clone();
@@ -228,14 +228,14 @@ mod tests {
     fn any_frame_is_there_and_no_other() {
         let recorded = Growing::open(Path::new("synthetic"), OpenOptions::default()).unwrap().0;
         let order = [1, 2, 200, 199, 198, 150, 3];
-        let seen: Vec<_> = order.iter().map(|&number| recorded.picture(number).unwrap()).collect();
+        let seen: Vec<_> = order.iter().map(|&number| recorded.image(number).unwrap()).collect();
         let mut sorted = seen.clone();
         sorted.dedup();
         assert_eq!(sorted.len(), order.len());
-        assert_eq!(recorded.picture(200).unwrap(), seen[2]);
+        assert_eq!(recorded.image(200).unwrap(), seen[2]);
         let count = recorded.known().frames.unwrap();
-        assert!(recorded.picture(count).is_some() && recorded.picture(count + 1).is_none());
-        assert!(recorded.picture(1).is_some());
+        assert!(recorded.image(count).is_some() && recorded.image(count + 1).is_none());
+        assert!(recorded.image(1).is_some());
         let gray = |number| recorded.gray_from(number).unwrap().next().unwrap().unwrap().gray;
         for number in [150, count, 7] {
             assert_eq!(*recorded.color(number).unwrap(), ColorFrame::from(&gray(number)), "{number}");

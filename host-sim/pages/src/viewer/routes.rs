@@ -105,7 +105,7 @@ impl Viewer {
                 json_reply(&json!({ "rows": rows, "to": to }))
             }
             (false, "frames", name) if name.ends_with(".png") => self.part(name, query)?,
-            (false, "frames", name) => self.picture(name),
+            (false, "frames", name) => self.image(name),
             (false, "boxes", "") => {
                 let format = value(query, "format").context("expected ?format=")?;
                 saved(self.requests.boxes(self, format)?)
@@ -266,10 +266,10 @@ impl Viewer {
         Ok(news)
     }
 
-    fn picture(&self, name: &str) -> Reply {
+    fn image(&self, name: &str) -> Reply {
         let number = self.frame(name, ".jpg");
-        if let Some(picture) = number.and_then(|number| self.source.picture(number)) {
-            return Reply::new("image/jpeg", picture.to_vec());
+        if let Some(image) = number.and_then(|number| self.source.image(number)) {
+            return Reply::new("image/jpeg", image.to_vec());
         }
         let is_recording = self.source.live().is_none();
         let error =
@@ -279,7 +279,7 @@ impl Viewer {
         Reply::error(404, &said)
     }
 
-    /// Parses the name of a picture, such as `7.jpg`; `None` if the source has no such frame.
+    /// Parses the name of an image, such as `7.jpg`; `None` if the source has no such frame.
     fn frame(&self, name: &str, ending: &str) -> Option<usize> {
         let number: FrameNumber = name.strip_suffix(ending)?.parse().ok()?;
         let is_there = |number: &usize| self.known().frames.is_none_or(|frames| *number <= frames);

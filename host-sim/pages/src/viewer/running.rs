@@ -50,7 +50,7 @@ impl Source for Scene {
         })))
     }
 
-    fn picture(&self, _number: usize) -> Option<Arc<Vec<u8>>> {
+    fn image(&self, _number: usize) -> Option<Arc<Vec<u8>>> {
         None
     }
 

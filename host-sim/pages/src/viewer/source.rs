@@ -21,7 +21,7 @@ pub trait Source: Send + Sync {
     }
 
     /// Returns the frame as a JPEG, in color if the source has color; `None` if there is no such frame.
-    fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;
+    fn image(&self, number: usize) -> Option<Arc<Vec<u8>>>;
 
     /// Returns the frame at full resolution; `None` if there is no such frame, or only its JPEG is kept.
     fn color(&self, _number: usize) -> Option<Arc<ColorFrame>> {

@@ -49,7 +49,7 @@ impl Images {
         let (width, height) = self.size;
         // CVAT names the frames of a video `frame_NNNNNN.png`, from 0.
         let name = |frame: usize| {
-            about.pictures.get(frame - 1).cloned().unwrap_or_else(|| format!("frame_{:06}.png", frame - 1))
+            about.images.get(frame - 1).cloned().unwrap_or_else(|| format!("frame_{:06}.png", frame - 1))
         };
         let image = |&frame| json!({"id": frame, "file_name": name(frame), "width": width, "height": height});
         let images: Vec<_> = self.frames.iter().map(image).collect();

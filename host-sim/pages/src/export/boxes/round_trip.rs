@@ -78,7 +78,7 @@ fn any_target() -> impl Strategy<Value = Vec<Cell>> {
 
 fn written(format: Format, names: &[Option<String>], targets: &[Vec<Cell>]) -> String {
     let origin = Variant::new(MethodKind::Paper, &Configs::from(paper::Config::paper())).origin();
-    let about = About { name: "a".to_owned(), origin, targets: names.to_vec(), pictures: Vec::new() };
+    let about = About { name: "a".to_owned(), origin, targets: names.to_vec(), images: Vec::new() };
     let mut printer = Printer::new(format, about);
     let mut text = printer.head();
     for frame in 1..=targets[0].len() {

@@ -97,7 +97,7 @@ fn compared(still: &Still, method: usize) -> Result<&Search> {
 
 /// Number of frames to score and plot before an occlusion, and the same number after it.
 const AROUND: usize = 40;
-/// Distance in frames between an occlusion and the pictures that show the target before and after it.
+/// Distance in frames between an occlusion and the images that show the target before and after it.
 const BESIDE: usize = 10;
 
 /// Returns the frame `wish`, which must not be the first; without a wish, the frame in which SMR leads SAD by the most.

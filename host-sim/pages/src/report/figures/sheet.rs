@@ -83,14 +83,14 @@ impl Sheet {
         self.0.push(format!("<rect {} {look}/>", place(at, size)));
     }
 
-    fn picture(&mut self, at: Pair, within: Pair, look: &str, uri: &str) {
+    fn image(&mut self, at: Pair, within: Pair, look: &str, uri: &str) {
         let place = place(at, within);
         self.0.push(format!(r#"<image {place} preserveAspectRatio="xMinYMin"{look} href="{uri}"/>"#));
     }
 
     /// Draws a PNG without smoothing, so that single pixels stay visible.
     pub fn patch(&mut self, at: Pair, within: Pair, png: &[u8]) {
-        self.picture(at, within, r#" style="image-rendering:pixelated""#, &data_uri("image/png", png));
+        self.image(at, within, r#" style="image-rendering:pixelated""#, &data_uri("image/png", png));
     }
 
     pub fn legend(&mut self, truth: bool) {
@@ -109,7 +109,7 @@ impl Sheet {
         let scale = size.0 / (width + 2.0 * margin);
         self.area(at, size, r##"fill="#000""##);
         let corner = (at.0 + margin * scale, at.1 + margin * scale);
-        self.picture(corner, (width * scale, height * scale), "", &data_uri("image/jpeg", &jpeg(&still.frame, GOOD)?));
+        self.image(corner, (width * scale, height * scale), "", &data_uri("image/jpeg", &jpeg(&still.frame, GOOD)?));
         let answers = &film.moments[still.index].reports;
         let boxes = (0..).zip(&still.observations).map(|(method, observation)| {
             let stroke = if answers[method].target.is_none() { DOTTED } else { STROKES[method] };

@@ -55,7 +55,7 @@ impl Viewer {
     }
 }
 
-/// Numbers that no picture, position, box or file has, as text.
+/// Numbers that no image, position, box or file has, as text.
 const EXTREMES: [&str; 24] = [
     "",
     "0",
