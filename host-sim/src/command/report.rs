@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Variant, result_files};
 use smr_files::output::{Output, complain, print};
 use smr_pages::report::figures::{self, Figure, Plan};
-use smr_pages::report::{self, About, FilmedRecording, Refusal};
+use smr_pages::report::{self, About, FilmedRecording, Refusal, Watch};
 use smr_recordings::{BUILT_IN, FrameRange, Sequence, Source, Target, misfit};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -141,15 +141,15 @@ impl Report {
     /// Draws the paper's figures into `folder`. Returns the files, and the reasons why some figures are left out.
     fn draw(&self, path: &Path, folder: &Path) -> Result<(Vec<Written>, Vec<String>)> {
         let methods = self.tracker.variants(&figures::METHODS)?;
-        let watch = |stills: &BTreeSet<usize>| {
+        let watch = |stills: BTreeSet<usize>| {
             // Figures are gray, so colors need not be read.
             let sequence = Sequence { source: Source::Once, ..self.recording.open(path)? };
             let bar = progress::bar(&sequence.name, sequence.length);
-            let film = report::watch(sequence, vec![], &methods, Refusal::Fails, stills, None, || bar.inc());
+            let film = report::watch(sequence, Watch { stills, ..Watch::new(&methods) }, || bar.inc());
             bar.clear();
             film
         };
-        let film = watch(&BTreeSet::new())?;
+        let film = watch(BTreeSet::new())?;
         let frame = self.frame.map(|frame| frame.get() - 1);
         let (mut plans, mut left_out) = (Vec::new(), Vec::new());
         for figure in Figure::ALL {
@@ -169,7 +169,7 @@ impl Report {
         if plans.is_empty() {
             bail!("{}", left_out[0]);
         }
-        let film = watch(&plans.iter().flat_map(|plan| plan.frames.iter().copied()).collect())?;
+        let film = watch(plans.iter().flat_map(|plan| plan.frames.iter().copied()).collect())?;
         make_folder(folder)?;
         let (mut files, mut outputs) = (Vec::new(), Vec::new());
         for plan in &plans {
@@ -198,8 +198,9 @@ impl Report {
         let budget = Some(self.budget_bytes() / sequences.len());
         let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
-            let (stills, several) = (BTreeSet::new(), targets.len() > 1);
-            let mut film = report::watch(sequence, targets, methods, refusal, &stills, budget, || progress.inc())?;
+            let several = targets.len() > 1;
+            let what = Watch { targets, refusal, budget, ..Watch::new(methods) };
+            let mut film = report::watch(sequence, what, || progress.inc())?;
             // Result files of other trackers describe only one target, the one with ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames_of_truth())?;

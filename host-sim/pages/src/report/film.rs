@@ -90,20 +90,30 @@ pub(super) struct Still {
     pub observations: Vec<Observation>,
 }
 
-/// Runs all `methods` on all `targets` of the sequence; without targets, on the sequence's start box. Frames are not
-/// kept, except the `stills` (indices from 0) and, with `budget`, small pictures of as many frames as fit into this
-/// many bytes: all, or every 2nd, 4th, ... frame. `progress` is called after each frame. A film of several targets has
+/// Settings of a run through a recording.
+pub struct Watch<'a> {
+    pub methods: &'a [Variant],
+    /// Targets to follow, each with every method; if empty, the sequence's start box.
+    pub targets: Vec<Target>,
+    pub refusal: Refusal,
+    /// Frames to keep, as indices from 0.
+    pub stills: BTreeSet<usize>,
+    /// Largest size in bytes of the small images that are kept: of all, or every 2nd, 4th, ... frame. `None`: no images.
+    pub budget: Option<usize>,
+}
+
+impl<'a> Watch<'a> {
+    /// Watches the sequence's start box, and keeps no frame.
+    pub fn new(methods: &'a [Variant]) -> Self {
+        Self { methods, targets: Vec::new(), refusal: Refusal::Fails, stills: BTreeSet::new(), budget: None }
+    }
+}
+
+/// Runs all methods on all targets of the sequence. `progress` is called after each frame. A film of several targets has
 /// no ground truth. Errors: No method, no initial box, a frame that cannot be read or tracked, or a still or a box in a
 /// frame that does not exist.
-pub fn watch(
-    sequence: Sequence,
-    mut targets: Vec<Target>,
-    methods: &[Variant],
-    refusal: Refusal,
-    stills: &BTreeSet<usize>,
-    budget: Option<usize>,
-    progress: impl Fn(),
-) -> Result<FilmedRecording> {
+pub fn watch(sequence: Sequence, what: Watch<'_>, progress: impl Fn()) -> Result<FilmedRecording> {
+    let Watch { methods, mut targets, refusal, stills, budget } = what;
     ensure!(!methods.is_empty(), "there is no method to show");
     if targets.is_empty() {
         targets.push(Target { name: None, starts: vec![(sequence.first, Some(sequence.start()?.into()))] });
@@ -308,7 +318,7 @@ mod tests {
     }
 
     fn film(methods: &[MethodKind]) -> FilmedRecording {
-        watch(open(), vec![], &variants(methods), Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap()
+        watch(open(), Watch::new(&variants(methods)), || ()).unwrap()
     }
 
     #[test]
@@ -328,7 +338,7 @@ mod tests {
     fn the_robust_tracker_follows_the_car_in_the_street_and_the_papers_does_not() {
         let street = smr_recordings::open(Path::new("street"), &OpenOptions::default()).unwrap();
         let methods = variants(&[MethodKind::Robust, MethodKind::Paper]);
-        let film = watch(street, vec![], &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
+        let film = watch(street, Watch::new(&methods), || ()).unwrap();
         let scores = film.evaluation().unwrap().unwrap().scores;
         let [robust, papers] = [0, 1].map(|method| scores[method].1.mean_iou.unwrap());
         assert!(robust > 0.75 && papers < 0.3, "{robust} {papers}");
@@ -353,14 +363,13 @@ mod tests {
                 kind.name()
             );
         }
-        assert!(watch(open(), vec![], &[], Refusal::Fails, &BTreeSet::new(), None, || ()).is_err());
+        assert!(watch(open(), Watch::new(&[]), || ()).is_err());
     }
 
     #[test]
     fn what_counts_adds_up_to_the_ratio() {
         let stills = (0..synthetic::LENGTH).step_by(9).collect();
-        let film =
-            watch(open(), vec![], &variants(&[MethodKind::Paper]), Refusal::Fails, &stills, None, || ()).unwrap();
+        let film = watch(open(), Watch { stills, ..Watch::new(&variants(&[MethodKind::Paper])) }, || ()).unwrap();
         let mut searched = 0;
         for still in &film.stills {
             let Some(search) = &still.observations[0].search else { continue };
@@ -380,7 +389,7 @@ mod tests {
     fn a_frame_that_there_is_not_is_named() {
         let stills = BTreeSet::from([0, 240]);
         let error =
-            watch(open(), vec![], &variants(&[MethodKind::Paper]), Refusal::Fails, &stills, None, || ()).err().unwrap();
+            watch(open(), Watch { stills, ..Watch::new(&variants(&[MethodKind::Paper])) }, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
     }
 
@@ -389,7 +398,7 @@ mod tests {
         let truth = open().truth.map(|truth| truth[..9].to_vec());
         let sequence = Sequence { truth, ..open() };
         let methods = variants(&[MethodKind::Paper]);
-        let film = watch(sequence, vec![], &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
+        let film = watch(sequence, Watch::new(&methods), || ()).unwrap();
         let error = format!("{:#}", film.evaluation().err().unwrap());
         assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
     }
@@ -402,7 +411,7 @@ mod tests {
             Sequence { init, truth: None, ..Sequence::made("large", frames, vec![]) }
         };
         let watch = |methods: &[MethodKind], refusal| {
-            watch(large(), vec![], &variants(methods), refusal, &BTreeSet::new(), None, || ())
+            watch(large(), Watch { refusal, ..Watch::new(&variants(methods)) }, || ())
         };
         let methods = [MethodKind::Robust, MethodKind::Paper];
         let film = watch(&methods, Refusal::LeftOut).unwrap();
@@ -421,7 +430,7 @@ mod tests {
         let targets = || vec![target("a", vec![start(11), (25, None), start(30)]), target("b", vec![start(20)])];
         let part = || open().part("11..50".parse().unwrap(), 1, "--frames");
         let methods = variants(&[MethodKind::Robust, MethodKind::Paper]);
-        let film = watch(part(), targets(), &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
+        let film = watch(part(), Watch { targets: targets(), ..Watch::new(&methods) }, || ()).unwrap();
         let names: Vec<_> = film.methods.iter().map(|method| method.name.as_str()).collect();
         assert_eq!(names, ["a, robust", "a, paper", "b, robust", "b, paper"]);
         assert_eq!((film.first, film.truth.is_none(), film.moments.len()), (11, true, 40));
@@ -431,7 +440,7 @@ mod tests {
         assert_eq!((answers(2, 8), answers(2, 9)), (None, start(20).1));
         assert_eq!((answers(0, 0), answers(0, 14), answers(0, 19)), (start(11).1, None, start(30).1));
         let late = vec![target("a", vec![start(11)]), target("b", vec![start(60)])];
-        let error = watch(part(), late, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).err().unwrap();
+        let error = watch(part(), Watch { targets: late, ..Watch::new(&methods) }, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 60: expected 11 to 50");
     }
 }

@@ -10,5 +10,5 @@ mod scores;
 mod search;
 mod trackers;
 
-pub use film::{FilmedRecording, Refusal, watch};
+pub use film::{FilmedRecording, Refusal, Watch, watch};
 pub use page::{About, page};

@@ -127,11 +127,10 @@ fn starts(film: &FilmedRecording, target: &Locked) -> String {
 mod tests {
     use super::*;
     use crate::report::trackers::entrants;
-    use crate::report::{Refusal, watch};
+    use crate::report::{Watch, watch};
     use smr_core::paper::Config;
     use smr_evaluation::{MethodKind, Variant};
     use smr_recordings::{OpenOptions, Sequence, synthetic};
-    use std::collections::BTreeSet;
     use std::path::Path;
 
     const BUDGET: usize = 25_000_000;
@@ -140,7 +139,7 @@ mod tests {
         let sequence = smr_recordings::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         let variant = |kind| Variant::new(kind, &Config::paper().into());
         let methods = [MethodKind::Paper, MethodKind::Sad].map(variant);
-        watch(change(sequence), vec![], &methods, Refusal::Fails, &BTreeSet::new(), Some(BUDGET), || ()).unwrap()
+        watch(change(sequence), Watch { budget: Some(BUDGET), ..Watch::new(&methods) }, || ()).unwrap()
     }
 
     fn about() -> About {

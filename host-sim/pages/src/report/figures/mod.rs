@@ -207,7 +207,7 @@ fn around(film: &FilmedRecording, (first, last): (usize, usize)) -> (usize, usiz
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Refusal, watch};
+    use crate::report::{Watch, watch};
     use smr_core::paper::Config;
     use smr_evaluation::{Configs, Variant};
     use smr_recordings::{OpenOptions, Sequence};
@@ -216,7 +216,7 @@ mod tests {
     fn watched(name: &str, change: impl FnOnce(Sequence) -> Sequence) -> FilmedRecording {
         let sequence = change(smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap());
         let methods = METHODS.map(|kind| Variant::new(kind, &Configs::from(Config::paper())));
-        watch(sequence, vec![], &methods, Refusal::Fails, &[].into(), None, || ()).unwrap()
+        watch(sequence, Watch::new(&methods), || ()).unwrap()
     }
 
     #[test]
