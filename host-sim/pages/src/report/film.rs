@@ -98,7 +98,7 @@ pub struct Watch<'a> {
     pub refusal: Refusal,
     /// Frames to keep, as indices from 0.
     pub stills: BTreeSet<usize>,
-    /// Largest size in bytes of the small images that are kept: of all, or every 2nd, 4th, ... frame. `None`: no images.
+    /// Largest size in bytes of the small images that are kept, of all frames or every 2nd, 4th, ...; `None`: no images.
     pub budget: Option<usize>,
 }
 
@@ -109,9 +109,9 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// Runs all methods on all targets of the sequence. `progress` is called after each frame. A film of several targets has
-/// no ground truth. Errors: No method, no initial box, a frame that cannot be read or tracked, or a still or a box in a
-/// frame that does not exist.
+/// Runs all methods on all targets of the sequence. `progress` is called after each frame. A film of several targets
+/// has no ground truth. Errors: No method, no initial box, a frame that cannot be read or tracked, or a still or a box
+/// in a frame that does not exist.
 pub fn watch(sequence: Sequence, what: Watch<'_>, progress: impl Fn()) -> Result<FilmedRecording> {
     let Watch { methods, mut targets, refusal, stills, budget } = what;
     ensure!(!methods.is_empty(), "there is no method to show");

@@ -1,7 +1,7 @@
 //! Draws the paper's five figures as SVG.
 
+use super::frames::{SAD, SMR, around, compared, overlap, spans};
 use super::sheet::{COLUMN, DASHED, DOTTED, GAP, LINE, Pair, Plot, SOLID, Sheet, TOP, color_of, nice, tile};
-use super::{SAD, SMR, around, compared, overlap, spans};
 use crate::colors::{self, WHITE};
 use crate::report::difference::{BAR, BARS, Difference, differences as map, part, patch};
 use crate::report::film::{FilmedRecording, Still};

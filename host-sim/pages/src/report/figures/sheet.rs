@@ -1,6 +1,6 @@
 //! SVG elements of a figure: text, lines, frames with boxes, patches and plots.
 
-use super::{METHODS, SAD, SMR, compared};
+use super::frames::{METHODS, SAD, SMR, compared};
 use crate::colors::{Color, GRID, PAPER, TRUTH, WHITE};
 use crate::encode::{GOOD, data_uri, jpeg};
 use crate::report::difference;
