@@ -24,7 +24,7 @@ mod vot;
 
 pub use evaluation::{Contestant, Evaluation, evaluate, measure};
 pub use matrix::{Measured, Progress};
-pub use method::{CoreKind, Evidence, Method, MethodKind, Report, name_of};
+pub use method::{CoreKind, Evidence, Method, MethodAnswer, MethodKind, name_of};
 pub use otb::{Curves, FARTHEST, NEAR, Otb, STEPS, centre_errors};
 pub use refused::Refused;
 pub use result_file::{ResultFile, result_files};

@@ -11,7 +11,7 @@ pub trait Method {
 
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()>;
 
-    fn update(&mut self, frame: &Frame<'_>) -> Result<Report>;
+    fn update(&mut self, frame: &Frame<'_>) -> Result<MethodAnswer>;
 
     /// Returns how well the target differs from shifted copies of itself; `None` before the first lock, and from baselines.
     fn quality(&self) -> Option<Quality> {
@@ -25,7 +25,7 @@ pub trait Method {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Report {
+pub struct MethodAnswer {
     /// The target's box, to fractions of a pixel; `None` when it is lost.
     pub target: Option<BoundingBox>,
     /// The target's box in whole pixels; `None` when it is lost.
@@ -50,7 +50,7 @@ pub struct Evidence {
     pub found_again: bool,
 }
 
-impl Report {
+impl MethodAnswer {
     /// Creates the report of a frame in which the tracker was locked on `target`.
     pub fn locked(target: Rect) -> Self {
         Self::of_baseline(target.into(), true)
@@ -66,7 +66,7 @@ impl Report {
     }
 }
 
-impl From<Answer> for Report {
+impl From<Answer> for MethodAnswer {
     fn from(answer: Answer) -> Self {
         let Answer { state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = answer;
         let of_one = |ratio: u16| f64::from(ratio) / f64::from(u16::MAX);
@@ -170,13 +170,13 @@ mod tests {
             scale: 1 << 15,
             found_again: false,
         };
-        let report = Report::from(answer(State::Uncertain));
+        let report = MethodAnswer::from(answer(State::Uncertain));
         let expected = BoundingBox { x: -1.5, y: 0.5, width: 10.0, height: 1.0 / 256.0 };
         assert_eq!((report.target, name_of(report.state)), (Some(expected), "uncertain"));
         let evidence = report.evidence.unwrap();
         assert_eq!((evidence.confidence, evidence.ratio, evidence.scale), (1.0, 0.0, 0.5));
         assert_eq!(report.bbox, Some(Rect::new(-1, 1, 10, 1)));
-        let lost = Report::from(answer(State::Lost));
+        let lost = MethodAnswer::from(answer(State::Lost));
         assert_eq!((lost.target, lost.bbox), (None, None));
     }
 

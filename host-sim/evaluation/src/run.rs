@@ -1,6 +1,6 @@
 //! A run: the answers of one tracker in one recording, from which scores and tables are computed.
 
-use super::method::{Method, Report};
+use super::method::{Method, MethodAnswer};
 use super::{CORRECT, Refused, Trajectory, Variant};
 use anyhow::{Context, Result};
 use smr_core::{Frame, Quality, Rect, State};
@@ -38,12 +38,12 @@ impl<M: Method + ?Sized> Follower<M> {
 
     /// Returns the report of frame `number`; `None` before the first box, and while the target is gone.
     /// Errors: Those of the tracker, with the number of the frame.
-    pub fn step(&mut self, number: usize, frame: &GrayFrame) -> Result<Option<Report>> {
+    pub fn step(&mut self, number: usize, frame: &GrayFrame) -> Result<Option<MethodAnswer>> {
         let report = match self.starts.next_if(|(at, _)| *at <= number) {
             Some((_, start)) => {
                 self.is_there = start.is_some();
                 let locked = start.map(|start| lock(self.method.as_mut(), &frame.frame(), start));
-                locked.transpose().map(|_| start.map(Report::locked))
+                locked.transpose().map(|_| start.map(MethodAnswer::locked))
             }
             None if self.is_there => self.method.update(&frame.frame()).map(Some),
             None => Ok(None),
@@ -72,7 +72,7 @@ pub fn lock(method: &mut (impl Method + ?Sized), frame: &Frame<'_>, target: Rect
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     /// A report for each frame from the first lock on, except those in which the target is gone.
-    pub reports: Vec<Report>,
+    pub reports: Vec<MethodAnswer>,
     /// Frame index of each report, from 0.
     pub frames: Vec<usize>,
     /// Total time of all frames after the first lock: updates, and locks on corrections.
@@ -94,7 +94,7 @@ impl Run {
     }
 
     /// Returns all reports except the first, which reports the lock.
-    pub fn updates(&self) -> &[Report] {
+    pub fn updates(&self) -> &[MethodAnswer] {
         self.reports.get(1..).unwrap_or_default()
     }
 
@@ -125,7 +125,7 @@ mod tests {
         Target { name: Some(name.to_owned()), starts: frames.iter().map(start).collect() }
     }
 
-    fn followed(variant: &Variant, targets: Vec<Target>) -> Vec<Vec<Option<Report>>> {
+    fn followed(variant: &Variant, targets: Vec<Target>) -> Vec<Vec<Option<MethodAnswer>>> {
         let mut all = Follower::all(targets, variant).unwrap();
         let frames: Vec<GrayFrame> = synthetic::frames().take(12).collect();
         let of =
@@ -145,7 +145,7 @@ mod tests {
             assert_eq!(together[1][..3], [None; 3]);
             assert_eq!(together[1][3].unwrap().target, synthetic::truth(3));
             // In the frame of a correction, the answer is the box of the correction.
-            assert_eq!(together[2][7], Some(Report::locked(synthetic::truth(7).unwrap().to_rect().unwrap())));
+            assert_eq!(together[2][7], Some(MethodAnswer::locked(synthetic::truth(7).unwrap().to_rect().unwrap())));
             assert_eq!(together[0][..7], together[2][..7]);
             let report = together[0][1].unwrap();
             assert_eq!((report.evidence.is_some(), report.work.is_some()), (kind.is_core(), kind.is_core()));

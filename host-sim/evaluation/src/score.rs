@@ -1,6 +1,6 @@
 //! Scores a tracker on a recording by the protocol of the TLD recordings: counts correct frames, and computes figures.
 
-use super::Report;
+use super::MethodAnswer;
 use super::otb::Otb;
 use super::vot::Vot;
 use anyhow::{Result, ensure};
@@ -108,9 +108,9 @@ impl Score {
     ];
 
     /// Scores the reports of a tracker, one for each frame; an error if `truth` has another length.
-    pub fn of(reports: &[Report], truth: &Trajectory) -> Result<Self> {
+    pub fn of(reports: &[MethodAnswer], truth: &Trajectory) -> Result<Self> {
         let answers: Vec<_> = reports.iter().map(|report| report.target).collect();
-        let confidences: Vec<_> = reports.iter().map(Report::confidence).collect();
+        let confidences: Vec<_> = reports.iter().map(MethodAnswer::confidence).collect();
         Self::with_confidence(&answers, &confidences, truth)
     }
 

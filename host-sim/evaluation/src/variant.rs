@@ -2,7 +2,7 @@
 
 use super::Paper;
 use super::baseline::Baseline;
-use super::method::{Method, MethodKind, Report};
+use super::method::{Method, MethodAnswer, MethodKind};
 use super::table::Column;
 use anyhow::Result;
 use clap::ValueEnum;
@@ -149,7 +149,7 @@ impl<T: Target> Method for Stepped<T> {
         self.target.quality()
     }
 
-    fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
+    fn update(&mut self, frame: &Frame<'_>) -> Result<MethodAnswer> {
         let workspace = &mut self.workspace.borrow_mut();
         let step = Some(self.step);
         calls::end::<T>(workspace); // another target's
@@ -158,6 +158,6 @@ impl<T: Target> Method for Stepped<T> {
             !calls::step(&mut self.target, workspace, frame, step)
         } {}
         let answer = calls::commit(&mut self.target, workspace, frame);
-        Ok(Report { work: Some(T::work(workspace)), ..answer.into() })
+        Ok(MethodAnswer { work: Some(T::work(workspace)), ..answer.into() })
     }
 }

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use smr_core::State;
-use smr_evaluation::{Report, name_of};
+use smr_evaluation::{MethodAnswer, name_of};
 use smr_pages::colors::{Color, WHITE, color_of, of_target};
 use smr_pages::export::{self, Overlay, Plan};
 use smr_recordings::{BoundingBox, Frame};
@@ -20,7 +20,7 @@ pub struct AnswersVideo {
 pub struct Shown<'a> {
     pub name: Option<&'a str>,
     /// Answer of the tracker; `None` before the first box of the target, and while the target is gone.
-    pub report: Option<Report>,
+    pub report: Option<MethodAnswer>,
 }
 
 impl AnswersVideo {
@@ -54,7 +54,7 @@ impl AnswersVideo {
     fn draw(&self, overlay: &mut Overlay, targets: &[Shown<'_>]) {
         let is_only = targets.len() == 1;
         for (at, (shown, last)) in targets.iter().zip(&self.lasts).enumerate() {
-            let (Some(Report { state, .. }), Some(last)) = (shown.report, last) else { continue };
+            let (Some(MethodAnswer { state, .. }), Some(last)) = (shown.report, last) else { continue };
             let color = of_target(self.ids.get(at).copied().unwrap_or(at + 1));
             let is_tracking = state == State::Tracking;
             if is_tracking {
@@ -76,7 +76,7 @@ impl AnswersVideo {
     }
 }
 
-fn described(report: &Report, name: Option<&str>) -> (String, Color) {
+fn described(report: &MethodAnswer, name: Option<&str>) -> (String, Color) {
     let name = name.map_or(String::new(), |name| format!("{name} "));
     let confidence = report.evidence.map(|evidence| format!(" {:.0}", evidence.confidence * 100.0));
     let color = if report.state == State::Tracking { WHITE } else { color_of(report.state) };

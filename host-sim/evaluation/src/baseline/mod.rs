@@ -5,7 +5,7 @@
 
 mod flow;
 
-use super::method::{Method, MethodKind, Report};
+use super::method::{Method, MethodAnswer, MethodKind};
 use anyhow::Result;
 use flow::{Plane, floor, levels};
 use smr_core::paper::{Config, Radius};
@@ -97,7 +97,7 @@ impl Method for Baseline {
         Ok(())
     }
 
-    fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
+    fn update(&mut self, frame: &Frame<'_>) -> Result<MethodAnswer> {
         match self.bounds {
             bounds if bounds.is_empty() => return Err(UpdateError::NotLocked.into()),
             bounds if bounds != frame.bounds() => return Err(UpdateError::FrameSizeChanged.into()),
@@ -114,7 +114,7 @@ impl Method for Baseline {
             let found = Plane::new(image, (left, top), (i32::from(width) + 1, i32::from(height) + 1));
             self.template = found.patch([x - f64::from(left), y - f64::from(top)], self.size).map(byte).collect();
         }
-        Ok(Report::of_baseline(target, inside))
+        Ok(MethodAnswer::of_baseline(target, inside))
     }
 
     fn template(&self) -> Option<Image<'_>> {
@@ -241,7 +241,7 @@ mod tests {
         for kind in ALL {
             let mut baseline = locked(kind, &config(6, 20), &picture(5, 10), Rect::new(5, 10, 6, 5));
             let inside = baseline.update(&picture(1, 12).frame()).unwrap();
-            assert_eq!(inside, Report::locked(Rect::new(1, 12, 6, 5)), "{kind:?}");
+            assert_eq!(inside, MethodAnswer::locked(Rect::new(1, 12, 6, 5)), "{kind:?}");
             let template = baseline.template.clone();
             let leaving = baseline.update(&picture(-2, 13).frame()).unwrap();
             assert_eq!(leaving.state, State::Leaving, "{kind:?}");

@@ -14,7 +14,7 @@ pub(crate) struct RunFigures {
     counts: Figures,
     answered_visible: usize,
     updates: u64,
-    /// Sum of `Report::work` over all updates; `None` if any update reports `None`.
+    /// Sum of `MethodAnswer::work` over all updates; `None` if any update reports `None`.
     work: Option<u64>,
     time: Duration,
 }
@@ -175,7 +175,7 @@ fn ratio(part: f64, whole: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Evidence, Report};
+    use crate::{Evidence, MethodAnswer};
     use smr_recordings::BoundingBox;
 
     fn at(x: f64) -> Option<BoundingBox> {
@@ -187,8 +187,13 @@ mod tests {
         let (confidence, ratio, scale) = (0.5, 1.0, 1.0);
         let evidence =
             Some(Evidence { confidence, ratio, runner_up_ratio: None, alpha: None, scale, found_again: false });
-        let report =
-            |(&target, &state): (&Option<BoundingBox>, &State)| Report { target, bbox: None, state, evidence, work };
+        let report = |(&target, &state): (&Option<BoundingBox>, &State)| MethodAnswer {
+            target,
+            bbox: None,
+            state,
+            evidence,
+            work,
+        };
         let reports = answers.iter().zip(states).map(report).collect();
         Run { reports, time: Duration::from_micros(microseconds), ..Run::default() }
     }

@@ -10,7 +10,7 @@ use anyhow::Result;
 use clap::ValueEnum;
 use serde::Serialize;
 use smr_core::{Quality, Rect};
-use smr_evaluation::{Evidence, Origin, Report, name_of};
+use smr_evaluation::{Evidence, MethodAnswer, Origin, name_of};
 use smr_recordings::BoundingBox;
 use smr_recordings::boxes::Form;
 use std::path::Path;
@@ -92,7 +92,7 @@ pub struct Answer<'a> {
     pub time: Option<f64>,
     pub size: (u16, u16),
     /// `None` before the target's first box, and while the target is gone.
-    pub report: Option<&'a Report>,
+    pub report: Option<&'a MethodAnswer>,
     /// Suitability of the target for tracking; `None` except in a frame in which the tracker locks on.
     pub quality: Option<Quality>,
 }
@@ -228,11 +228,11 @@ fn mot(&Answer { target, frame, report, .. }: &Answer<'_>) -> String {
 }
 
 /// Returns the confidence; 1 for a box that the user gave, or from a method that computes no confidence.
-fn score(report: &Report) -> f64 {
+fn score(report: &MethodAnswer) -> f64 {
     report.confidence().map_or(1.0, rounded)
 }
 
-fn csv_line(answer: &Answer<'_>, report: &Report) -> String {
+fn csv_line(answer: &Answer<'_>, report: &MethodAnswer) -> String {
     let field = |value: Option<String>| value.unwrap_or_default();
     let target = report.target.map(|BoundingBox { x, y, width, height }| format!("{x},{y},{width},{height}"));
     let figure = |figure: fn(&Evidence) -> Option<f64>| {
@@ -270,13 +270,13 @@ mod tests {
         Printer::new(format, About { name: "a & b".to_owned(), origin, targets, images: Vec::new() })
     }
 
-    fn answer(target: usize, frame: usize, report: Option<&Report>) -> Answer<'_> {
+    fn answer(target: usize, frame: usize, report: Option<&MethodAnswer>) -> Answer<'_> {
         Answer { target, frame, time: None, size: (320, 240), report, quality: None }
     }
 
     #[test]
     fn each_format_has_its_line() {
-        let found = Report { state: State::Leaving, ..Report::locked(Rect::new(-2, 5, 10, 20)) };
+        let found = MethodAnswer { state: State::Leaving, ..MethodAnswer::locked(Rect::new(-2, 5, 10, 20)) };
         let evidence = Evidence {
             confidence: 0.0,
             ratio: 2.0 / 3.0,
@@ -285,7 +285,8 @@ mod tests {
             scale: 1.0,
             found_again: false,
         };
-        let lost = Report { target: None, bbox: None, state: State::Lost, evidence: Some(evidence), work: Some(9) };
+        let lost =
+            MethodAnswer { target: None, bbox: None, state: State::Lost, evidence: Some(evidence), work: Some(9) };
         let json = |method: &str, rest: &str| {
             let version = env!("CARGO_PKG_VERSION");
             format!(r#"{{"version":"{version}","method":"{method}","options":{{}},"frame":7,"time":null,{rest}}}"#)
@@ -322,7 +323,7 @@ mod tests {
 
     #[test]
     fn lines_of_several_targets_have_names() {
-        let report = Report::locked(Rect::new(1, 2, 3, 4));
+        let report = MethodAnswer::locked(Rect::new(1, 2, 3, 4));
         let named = |format| printer(format, MethodKind::Robust, &[Some("man"), Some("car")]);
         let of = Answer { time: Some(4.8), ..answer(1, 120, Some(&report)) };
         assert_eq!(named(Format::Csv).head(), format!("target,{CSV_NAMES}"));
@@ -334,8 +335,8 @@ mod tests {
     /// Returns the text of three frames: `man` is visible in the first and the third, `car` from the second on.
     fn text(format: Format) -> String {
         let mut printer = printer(format, MethodKind::Robust, &[Some("man"), Some("car")]);
-        let seen = Report::locked(Rect::new(1, 2, 30, 40));
-        let lost = Report { target: None, bbox: None, state: State::Lost, ..seen };
+        let seen = MethodAnswer::locked(Rect::new(1, 2, 30, 40));
+        let lost = MethodAnswer { target: None, bbox: None, state: State::Lost, ..seen };
         let mut text = printer.head();
         for (frame, man, car) in [(1, seen, None), (2, lost, Some(&seen)), (3, seen, Some(&seen))] {
             text += &printer.line(&answer(0, frame, Some(&man))).unwrap();
@@ -364,7 +365,7 @@ mod tests {
 
     #[test]
     fn cvat_comes_back_as_what_was_drawn() {
-        let seen = Report::locked(Rect::new(1, 2, 30, 40));
+        let seen = MethodAnswer::locked(Rect::new(1, 2, 30, 40));
         let evidence = Evidence {
             confidence: 0.5,
             ratio: 0.5,
@@ -373,8 +374,8 @@ mod tests {
             scale: 1.0,
             found_again: false,
         };
-        let answered = Report { evidence: Some(evidence), ..seen };
-        let lost = Report { target: None, bbox: None, state: State::Lost, ..answered };
+        let answered = MethodAnswer { evidence: Some(evidence), ..seen };
+        let lost = MethodAnswer { target: None, bbox: None, state: State::Lost, ..answered };
         let mut cvat = printer(Format::Cvat, MethodKind::Robust, &[None]);
         for (frame, report) in [Some(seen), Some(answered), Some(lost), None, None, Some(seen)].iter().enumerate() {
             cvat.line(&answer(0, frame + 1, report.as_ref())).unwrap();

@@ -6,7 +6,8 @@ use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 use smr_core::{Rect, State};
 use smr_evaluation::{
-    CORRECT, Contestant, Evaluation, Follower, MethodKind, Refused, Report, ResultFile, Score, Variant, lock, overlaps,
+    CORRECT, Contestant, Evaluation, Follower, MethodAnswer, MethodKind, Refused, ResultFile, Score, Variant, lock,
+    overlaps,
 };
 use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, Frame, FrameRange, GrayFrame, Sequence, Target};
 use std::collections::BTreeSet;
@@ -78,7 +79,7 @@ pub enum Refusal {
 
 pub struct Moment {
     /// One report for each method. A report is *lost* before its target's first box, and while its target is gone.
-    pub reports: Vec<Report>,
+    pub reports: Vec<MethodAnswer>,
     /// Box to draw for each method. If the target is lost: the last accepted box, or one found but not confirmed.
     pub(super) lasts: Vec<BoundingBox>,
 }
@@ -139,8 +140,8 @@ pub fn watch(sequence: Sequence, what: Watch<'_>, progress: impl Fn()) -> Result
             let begun = report.zip(follower.method.observation.take());
             Ok(begun.unwrap_or_else(|| search::not_begun(targets[*target].start())))
         };
-        let looks: Result<Vec<(Report, Observation)>> = pairs.iter_mut().map(look).collect();
-        let (reports, observations): (Vec<Report>, Vec<Observation>) = looks?.into_iter().unzip();
+        let looks: Result<Vec<(MethodAnswer, Observation)>> = pairs.iter_mut().map(look).collect();
+        let (reports, observations): (Vec<MethodAnswer>, Vec<Observation>) = looks?.into_iter().unzip();
         size = (frame.width, frame.height);
         moments.push(Moment { reports, lasts: observations.iter().map(|observation| observation.bbox).collect() });
         times.push(moment.map(|moment| moment.seconds()));
@@ -226,7 +227,7 @@ impl FilmedRecording {
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };
         let score = |(index, variant): (usize, &Variant)| {
-            let reports: Vec<Report> = self.moments.iter().map(|moment| moment.reports[index]).collect();
+            let reports: Vec<MethodAnswer> = self.moments.iter().map(|moment| moment.reports[index]).collect();
             let score = Score::of(&reports, truth).with_context(|| self.name.clone())?;
             anyhow::Ok((Contestant::of(variant), score))
         };

@@ -7,7 +7,7 @@ use super::trackers::{Entrant, TRUTH_LOOK, entrants};
 use crate::encode::{base64, rounded};
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
-use smr_evaluation::{Evidence, Report, centre_errors, name_of, overlaps};
+use smr_evaluation::{Evidence, MethodAnswer, centre_errors, name_of, overlaps};
 use smr_recordings::BoundingBox;
 
 /// Returns all films as JSON. `<` is escaped, as `</script>` in a name would end the page's element that holds the
@@ -58,7 +58,7 @@ fn target_of(film: &FilmedRecording, target: &Locked) -> Value {
 
 fn figures(film: &FilmedRecording, entrant: &Entrant) -> Result<Value> {
     let answers = &entrant.answers;
-    let reports = |value: &dyn Fn(&Report) -> Option<f64>, digits: i32| {
+    let reports = |value: &dyn Fn(&MethodAnswer) -> Option<f64>, digits: i32| {
         let values = entrant.method.map(|method| film.moments.iter().map(move |moment| value(&moment.reports[method])));
         values.map(|values| all_rounded(values, digits)).filter(|values| values.iter().any(|value| !value.is_null()))
     };

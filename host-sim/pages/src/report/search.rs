@@ -4,7 +4,7 @@ use super::difference::Difference;
 use anyhow::{Context, Result};
 use smr_core::unstable::followed;
 use smr_core::{Frame, Rect, Robust, State, Tracker};
-use smr_evaluation::{Method, MethodKind, Paper, Report, Variant};
+use smr_evaluation::{Method, MethodAnswer, MethodKind, Paper, Variant};
 use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, free_gain, relit, threshold};
 
@@ -67,7 +67,7 @@ impl Method for ObservedTracker {
         Ok(())
     }
 
-    fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
+    fn update(&mut self, frame: &Frame<'_>) -> Result<MethodAnswer> {
         let image = frame.patch(frame.bounds()).context("a frame to be shown is wholly in memory")?.into();
         let (report, observation) = match &mut self.tracker {
             AnyTracker::Paper(tracker) => paper(tracker, &image)?,
@@ -80,12 +80,12 @@ impl Method for ObservedTracker {
 }
 
 /// Returns a *lost* report for a frame before the target's first lock, and the box of that lock, `start`, to draw.
-pub(super) fn not_begun(start: Rect) -> (Report, Observation) {
-    let report = Report { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
+pub(super) fn not_begun(start: Rect) -> (MethodAnswer, Observation) {
+    let report = MethodAnswer { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
     (report, Observation { bbox: start.into(), search: None })
 }
 
-fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Observation)> {
+fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(MethodAnswer, Observation)> {
     // The template is copied now, before this frame replaces it.
     let template = GrayFrame::from(tracker.target().template().context("there is no template yet")?);
     let answer = tracker.update(&frame.frame())?;
@@ -93,13 +93,13 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Obs
     let found = smr_core::unstable::peaks(tracker.workspace()).context("the update is finished")?;
     let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
     let search = Search { difference: Difference::new(frame, peak, template), alpha: answer.alpha };
-    let report = Report { work: Some(work), ..answer.into() };
+    let report = MethodAnswer { work: Some(work), ..answer.into() };
     Ok((report, Observation { bbox: answer.bbox.into(), search: Some(search) }))
 }
 
 /// Updates the tracker, then compares the pixels at the tracked position with the early template, whose brightness and
 /// contrast are first adjusted to these pixels.
-fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Observation)> {
+fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(MethodAnswer, Observation)> {
     let grid = tracker.target().grid().context("there is no grid yet")?;
     let early = tracker.target().early_template().context("there is no early template yet")?;
     let (columns, rows) = (grid.columns.into(), grid.rows.into());
@@ -132,11 +132,11 @@ fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, O
         template: shown(lit.pixels.iter().copied().map(byte).collect()),
     };
     let search = Search { difference, alpha: Some(byte(threshold(&numbers, &early, &seen, gain)).into()) };
-    let report = Report { work: Some(work), ..answer.into() };
+    let report = MethodAnswer { work: Some(work), ..answer.into() };
     Ok((report, Observation { bbox: target, search: Some(search) }))
 }
 
-fn baseline(tracker: &mut dyn Method, frame: &GrayFrame) -> Result<(Report, Observation)> {
+fn baseline(tracker: &mut dyn Method, frame: &GrayFrame) -> Result<(MethodAnswer, Observation)> {
     let template = GrayFrame::from(tracker.template().context("there is no template yet")?);
     let report = tracker.update(&frame.frame())?;
     let (bbox, at) = report.target.zip(report.bbox).context("a baseline always answers")?;

@@ -12,7 +12,7 @@ use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
-use smr_evaluation::{Report, Variant, name_of};
+use smr_evaluation::{MethodAnswer, Variant, name_of};
 use smr_files::messages::{self, choice_name};
 use smr_files::output::complain;
 use smr_recordings::{BoundingBox, FrameNumber, annotations};
@@ -347,7 +347,7 @@ fn frame_number(query: &str, name: &str) -> Result<usize> {
 /// Returns an answer as JSON for the page:
 /// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, runner-up's ratio]`
 fn answer_json(&(target, frame, AnsweredFrame { report, shown, .. }): &(u32, usize, AnsweredFrame)) -> Value {
-    let Report { state, evidence, work, .. } = report;
+    let MethodAnswer { state, evidence, work, .. } = report;
     let BoundingBox { x, y, width, height } = shown;
     json!([
         target,

@@ -5,7 +5,7 @@ use super::model::{Lock, Target, TargetSpan};
 use super::source::{Known, LiveState, Source};
 use anyhow::{Result, anyhow};
 use smr_core::paper;
-use smr_evaluation::{Follower, MethodKind, Report, Variant};
+use smr_evaluation::{Follower, MethodAnswer, MethodKind, Variant};
 use smr_recordings::{Frame, Frames, synthetic};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -130,13 +130,13 @@ impl Drop for Running {
 }
 
 /// Returns the answers of a tracker that reads all frames in order and is locked anew in each of `frames`.
-pub fn expected(kind: MethodKind, frames: &[usize]) -> Vec<(usize, Report)> {
+pub fn expected(kind: MethodKind, frames: &[usize]) -> Vec<(usize, MethodAnswer)> {
     let starts = frames.iter().map(|&frame| (frame, lock(frame).rect())).collect();
     let mut follower = Follower::new(variant(kind).build().unwrap(), starts);
     let answer = |number| Some((number, follower.step(number, &synthetic::frame(number - 1)).unwrap()?));
     (1..=FRAMES).filter_map(answer).collect()
 }
 
-pub fn answered(running: &Running, at: usize) -> Vec<(usize, Report)> {
+pub fn answered(running: &Running, at: usize) -> Vec<(usize, MethodAnswer)> {
     running.followed.rows()[at].1.iter().map(|(frame, row)| (*frame, row.report)).collect()
 }

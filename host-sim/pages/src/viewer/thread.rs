@@ -5,7 +5,7 @@ use super::answers::{AnsweredFrame, Followed, Key, State, Task};
 use super::source::Source;
 use anyhow::{Error, Result};
 use smr_core::Quality;
-use smr_evaluation::{Follower, Report, Variant};
+use smr_evaluation::{Follower, MethodAnswer, Variant};
 use smr_files::messages;
 use smr_recordings::{Damaged, Frame, GrayFrame};
 use std::collections::HashMap;
@@ -182,7 +182,7 @@ impl Following<'_> {
         number: usize,
         frame: &GrayFrame,
         variant: &Variant,
-    ) -> Result<Option<(Report, Option<Quality>)>> {
+    ) -> Result<Option<(MethodAnswer, Option<Quality>)>> {
         let locks = number == key.lock.0;
         if locks {
             self.trackers.insert(key, Follower::new(variant.build()?, vec![(number, Some(key.lock.1))]));

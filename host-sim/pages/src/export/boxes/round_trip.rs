@@ -5,7 +5,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use serde_json::Value;
 use smr_core::{State, paper};
-use smr_evaluation::{Configs, Evidence, MethodKind, Report, Variant};
+use smr_evaluation::{Configs, Evidence, MethodAnswer, MethodKind, Variant};
 use smr_recordings::boxes::Form;
 use smr_recordings::{BoundingBox, annotations};
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ enum Cell {
 }
 
 impl Cell {
-    fn report(self) -> Option<Report> {
+    fn report(self) -> Option<MethodAnswer> {
         let evidence = Evidence {
             confidence: 0.5,
             ratio: 0.5,
@@ -36,7 +36,7 @@ impl Cell {
             Self::Lost => (State::Lost, Some(evidence)),
             Self::Gone => return None,
         };
-        Some(Report { state, bbox: None, target: self.bbox(), evidence, work: None })
+        Some(MethodAnswer { state, bbox: None, target: self.bbox(), evidence, work: None })
     }
 
     fn bbox(self) -> Option<BoundingBox> {

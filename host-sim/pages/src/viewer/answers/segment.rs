@@ -2,14 +2,14 @@
 
 use super::super::model::Target;
 use smr_core::{Quality, Rect};
-use smr_evaluation::Report;
+use smr_evaluation::MethodAnswer;
 use smr_recordings::BoundingBox;
 use std::collections::VecDeque;
 use std::ops::Range;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AnsweredFrame {
-    pub report: Report,
+    pub report: MethodAnswer,
     /// Box to draw: the answer's, or the last known one if the target is lost.
     pub shown: BoundingBox,
     /// Suitability of the target for tracking; only in the frame of a lock.
