@@ -5,7 +5,7 @@ use super::means::{means, standard_errors};
 use super::score::Figure;
 use super::table::{Head, Table, TableName, Tables, blank, cells};
 use super::{
-    Follower, Measured, Origin, Progress, ResultFile, Run, Score, Variant, published, result_file, result_files,
+    Follower, Measured, Origin, Progress, ResultFile, Run, Score, Variant, paper_table, result_file, result_files,
 };
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use rayon::prelude::*;
@@ -140,13 +140,13 @@ impl Evaluation {
         heads.extend(all.iter().map(|one| Head::new("", &format!("{} /{}", one.sequence, one.visible), 0)));
         let mut correct = Table::new(None, 2, heads);
 
-        let is_known = all.iter().any(|one| published::is_known(&one.sequence));
-        for row in published::TABLE.iter().filter(|_| is_known) {
+        let is_known = all.iter().any(|one| paper_table::is_known(&one.sequence));
+        for row in paper_table::TABLE.iter().filter(|_| is_known) {
             let figures = all.iter().map(|one| (one.sequence.as_str(), row.correct(&one.sequence)));
             for (sequence, figure) in figures.clone().filter(|(_, figure)| figure.is_some()) {
                 printed.row(vec![row.tracker.into(), sequence.into(), figure.into()]);
             }
-            let names = [row.tracker, published::SOURCE].map(Value::from).into_iter();
+            let names = [row.tracker, paper_table::SOURCE].map(Value::from).into_iter();
             correct.row(names.chain(figures.map(|(_, figure)| figure.into())).collect());
         }
         for contestant in contestants(all) {

@@ -12,7 +12,7 @@ mod matrix;
 mod means;
 mod method;
 mod otb;
-pub mod published;
+pub mod paper_table;
 mod refused;
 mod result_file;
 pub mod robustness;

@@ -8,7 +8,7 @@ use super::{HostSim, Outcome, progress, tell, told};
 use anyhow::{Context, Error, Result, bail, ensure};
 use clap::CommandFactory;
 use smr_evaluation::robustness::{self, Former, Starts};
-use smr_evaluation::{Layout, Measured, MethodKind, Progress, TableName, Tables, Variant, covers, faults, published};
+use smr_evaluation::{Layout, Measured, MethodKind, Progress, TableName, Tables, Variant, covers, faults, paper_table};
 use smr_files::output::complain;
 use smr_files::signals;
 use smr_recordings::fault::{Fault, Faults};
@@ -274,5 +274,5 @@ fn count_failures(mut failures: Vec<Error>, is_all: bool) -> Result<usize> {
 }
 
 fn is_published(path: &Path) -> bool {
-    path.file_name().and_then(|name| name.to_str()).is_some_and(published::is_known)
+    path.file_name().and_then(|name| name.to_str()).is_some_and(paper_table::is_known)
 }
