@@ -35,8 +35,8 @@ const UNROLLED: usize = if cfg!(target_arch = "arm") { 4 } else { 8 };
 /// Maximum number of words in a row: each word adds at most 1 to each byte of a sum, which holds up to 255.
 const MAX_WORDS: usize = 255;
 
-/// Maximum number of bytes from a row of ranges to the next one. The bytes of 65,535 rows fit in a `usize` of 32 bits.
-const MAX_STRIDE: usize = 1 << 16;
+/// Maximum number of bytes from a row of ranges to the next one, far more than a row of `MAX_WORDS` and a window take.
+const MAX_STRIDE: usize = 1 << 14;
 
 pub(crate) struct Swar<'a> {
     plain: Plain<'a>,
@@ -429,13 +429,14 @@ fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Optio
     let skipped = blocks.start % LANES;
     let count = (skipped + width).div_ceil(LANES);
     let from = blocks.start - skipped;
-    if blocks.stride > MAX_STRIDE {
+    let (low, high, (pixels, stride)) = (blocks.low, blocks.high, template.parts());
+    let room = low.len().min(high.len());
+    let are_aligned = (low.as_ptr().addr() | high.as_ptr().addr() | blocks.stride).is_multiple_of(LANES);
+    if !are_aligned || count > MAX_WORDS || blocks.stride > MAX_STRIDE || from > room {
         return Some(full);
     }
-    let end = ((height - 1) * blocks.stride).saturating_add(from.saturating_add(count * LANES));
-    let (low, high, (pixels, stride)) = (blocks.low, blocks.high, template.parts());
-    let are_aligned = (low.as_ptr().addr() | high.as_ptr().addr() | blocks.stride).is_multiple_of(LANES);
-    if !are_aligned || end > low.len().min(high.len()) || count > MAX_WORDS {
+    // Does not overflow 32 bits: at most 65,534 strides, a slice of less than 2^31 bytes, and 255 words.
+    if from + (height - 1) * blocks.stride + count * LANES > room {
         return Some(full);
     }
     let mut row = Row {
