@@ -20,7 +20,7 @@ mod table;
 #[cfg(target_os = "none")]
 mod firmware {
     use crate::measure::{Timer, smr_ticks, spin};
-    use crate::table::{self, Row};
+    use crate::table::{self, Cycles};
     use cortex_m::Peripherals;
     use cortex_m_rt::entry;
     use defmt::{error, info};
@@ -38,7 +38,7 @@ mod firmware {
         let done = table::rows(
             || !smr_ticks() << 8,
             |row| {
-                let Row { tracker, lock, median, most } = row;
+                let Cycles { tracker, lock, median, most } = row;
                 let [lock, median, most] = [lock, median, most].map(|count| (count >> 8) * tick);
                 info!(
                     "{=str}: lock {=u32}, update median {=u32}, at most {=u32} instructions",

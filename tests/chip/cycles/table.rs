@@ -12,7 +12,7 @@ const TOO_LARGE: &str = "a window is too large";
 const OUTSIDE: &str = "a window is outside of the frame";
 
 /// The measured times of one tracker, in ticks of the clock.
-pub struct Row {
+pub struct Cycles {
     pub tracker: &'static str,
     pub lock: u32,
     pub median: u32,
@@ -20,7 +20,7 @@ pub struct Row {
 }
 
 /// Measures each tracker, and passes its row to `tell`. `clock` counts up and may wrap. An error says what failed.
-pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Row)) -> Result<(), &'static str> {
+pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Cycles)) -> Result<(), &'static str> {
     tell(measure::<Paper<4096, 33>>("paper's", paper::Config::camera_within(16), &clock)?);
     let (mut robust, mut refined) = (robust::Config::robust(), robust::Config::refined());
     (robust.sweep, refined.sweep) = (1, 1); // the pixels of four windows do not fit into the RAM of every chip here
@@ -29,7 +29,11 @@ pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Row)) -> Result<(), &'
 }
 
 #[inline(never)] // so that only one tracker is on the stack
-fn measure<T: Target>(tracker: &'static str, config: T::Config, clock: &impl Fn() -> u32) -> Result<Row, &'static str> {
+fn measure<T: Target>(
+    tracker: &'static str,
+    config: T::Config,
+    clock: &impl Fn() -> u32,
+) -> Result<Cycles, &'static str> {
     let mut pixels = [0; PIXELS];
     // Uses a reference, because moving the target out of the result would put a second copy on the stack.
     let (mut made, mut workspace) = (T::with(config), T::Workspace::default());
@@ -51,7 +55,7 @@ fn measure<T: Target>(tracker: &'static str, config: T::Config, clock: &impl Fn(
         answer.map_err(|_| "a tracker does not update")?;
     }
     counts.sort_unstable();
-    Ok(Row { tracker, lock, median: counts[UPDATES / 2], most: counts[UPDATES - 1] })
+    Ok(Cycles { tracker, lock, median: counts[UPDATES / 2], most: counts[UPDATES - 1] })
 }
 
 /// A frame of which only the pixels in `window` and `sweep` are in memory.

@@ -439,7 +439,7 @@ fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Optio
     if from + (height - 1) * blocks.stride + count * LANES > room {
         return Some(full);
     }
-    let mut row = Row {
+    let mut row = RangeRow {
         low: low.as_ptr().wrapping_add(from).cast(),
         high: high.as_ptr().wrapping_add(from).cast(),
         count,
@@ -473,7 +473,7 @@ fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Optio
 /// Words in an iteration of the loop over a row of ranges. One word takes less flash.
 const ROUND: usize = if cfg!(target_arch = "riscv32") { 2 } else { 1 };
 
-struct Row {
+struct RangeRow {
     low: *const u32,
     high: *const u32,
     /// Words in the row, at least one.
@@ -483,7 +483,7 @@ struct Row {
     last: u32,
 }
 
-impl Row {
+impl RangeRow {
     /// Counts pixels of a template row that are not in their ranges. With `SHIFTED` the row begins `shift` bits after
     /// `g`.
     ///

@@ -16,7 +16,7 @@ use cortex_m::peripheral::DWT;
 use cortex_m_rt::entry;
 use defmt_rtt as _;
 use panic_halt as _;
-use table::Row;
+use table::Cycles;
 
 #[entry]
 fn main() -> ! {
@@ -75,7 +75,7 @@ fn print(mut core: Peripherals, chip: &str, hertz: u32) {
     defmt::println!("clock: {=u32} Hz", hertz);
     defmt::println!("smr: {=str}", env!("CARGO_PKG_VERSION"));
     let done = table::rows(DWT::cycle_count, |row| {
-        let Row { tracker, lock, median, most } = row;
+        let Cycles { tracker, lock, median, most } = row;
         defmt::println!(
             "{=str}: lock {=u32}, update median {=u32}, at most {=u32} cycles; {=u32} updates a second",
             tracker,

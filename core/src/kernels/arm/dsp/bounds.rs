@@ -20,14 +20,14 @@
 //! | `sel`, `usada8` | adds one for each pixel outside |
 
 use super::super::points::{OFFSETS, Points};
-use super::words::{LANES, Row, entry_offset, in_lanes, words};
+use super::words::{LANES, WordRow, entry_offset, in_lanes, words};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
 /// Constants that a loop reads from memory. The assembly depends on their offsets.
 #[repr(C)]
 struct Memory {
-    row: Row,
+    row: WordRow,
     words: usize,
     /// Different in each loop. In [`point_margins`]: the maximum points of a row, 255 for each pixel. In
     /// [`outside_ranges`]: the [`entry_offset`], which the assembly replaces by the address where the loop is entered.
@@ -71,7 +71,7 @@ macro_rules! points_of_word {
 #[inline(never)]
 pub(super) unsafe fn point_margins(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
     // Here `skipped_bits` is a mask: 255 in those bytes of the last word that the whole words already cover.
-    let mut row = Row::of(pair);
+    let mut row = WordRow::of(pair);
     row.skipped_bits = u32::MAX >> (8 * (pair.width % LANES));
     let memory = Memory { row, words: words(pair), own: Points::of_row(pair) as usize };
     let mut margins = Points::initial_margins(pair, needed, wanted);
@@ -162,7 +162,7 @@ macro_rules! outside_word {
 /// at `pair.high`, both `pair.patch_stride` apart, and of the template.
 #[inline(never)]
 pub(super) unsafe fn outside_ranges(pair: &Rows, allowed: u32) -> u32 {
-    let mut memory = Memory { row: Row::of(pair), words: words(pair), own: entry_offset(pair, CODE_OF_A_WORD) };
+    let mut memory = Memory { row: WordRow::of(pair), words: words(pair), own: entry_offset(pair, CODE_OF_A_WORD) };
     // The count starts at -`allowed` - 1 and reaches 0 once more than `allowed` pixels are outside their ranges. It
     // fits in an `i32`, because a template has at most 65537 pixels.
     let start = !allowed.cast_signed();

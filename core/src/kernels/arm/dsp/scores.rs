@@ -11,7 +11,7 @@
 use super::super::points::{OFFSETS, Points};
 use super::super::scores::{Loops, blocks};
 use super::bounds;
-use super::words::{LANES, Row, in_lanes, words};
+use super::words::{LANES, WordRow, in_lanes, words};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use core::arch::asm;
@@ -75,7 +75,7 @@ macro_rules! similarities {
 #[inline(always)]
 unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     let mut reachable = pair.full_after(0);
-    let row = Row::of(pair);
+    let row = WordRow::of(pair);
     // SAFETY: only words within a row and entries up to 255 are read. Nothing is written.
     unsafe {
         asm!(

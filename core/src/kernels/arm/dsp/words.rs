@@ -10,7 +10,7 @@ pub(super) fn in_lanes(byte: u8) -> u32 {
 
 /// Constants that each loop over rows reads from memory. The assembly depends on their offsets.
 #[repr(C)]
-pub(super) struct Row {
+pub(super) struct WordRow {
     /// Bytes from the end of the whole words of a row to the next row, in the patch and in the template.
     f_stride: usize,
     g_stride: usize,
@@ -21,7 +21,7 @@ pub(super) struct Row {
     end: *const u8,
 }
 
-impl Row {
+impl WordRow {
     /// Returns the layout of the rows of `pair`, two pictures with at least four columns.
     #[inline(always)]
     #[allow(clippy::cast_possible_truncation)] // a word has 32 bits

@@ -9,16 +9,16 @@ use crate::kernels::rolled;
 
 /// The largest score of each row and each column of a window of up to `SPAN` x `SPAN` offsets.
 pub(super) struct Maxima<const SPAN: usize> {
-    columns: Row<SPAN>,
-    rows: Row<SPAN>,
+    columns: AxisMaxima<SPAN>,
+    rows: AxisMaxima<SPAN>,
 }
 
-struct Row<const SPAN: usize> {
+struct AxisMaxima<const SPAN: usize> {
     maxima: [u32; SPAN],
     len: usize,
 }
 
-impl<const SPAN: usize> Row<SPAN> {
+impl<const SPAN: usize> AxisMaxima<SPAN> {
     fn reset(&mut self, len: usize) {
         self.len = len;
         rolled(self.maxima.iter_mut().take(len)).for_each(|maximum| *maximum = 0);
@@ -33,7 +33,7 @@ impl<const SPAN: usize> Row<SPAN> {
 impl<const SPAN: usize> Maxima<SPAN> {
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        Self { columns: Row { maxima: [0; SPAN], len: 0 }, rows: Row { maxima: [0; SPAN], len: 0 } }
+        Self { columns: AxisMaxima { maxima: [0; SPAN], len: 0 }, rows: AxisMaxima { maxima: [0; SPAN], len: 0 } }
     }
 
     pub(super) fn reset(&mut self, window: &Window) {
