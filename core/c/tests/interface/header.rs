@@ -5,7 +5,6 @@ use smr::{
     ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
     ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN,
 };
-use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -13,14 +12,9 @@ fn claim(what: &str, value: usize) -> String {
     format!("{{ char claim[{what} == {value} ? 1 : -1]; (void)claim; }}\n")
 }
 
-#[test]
-fn the_header_and_the_library_agree_on_every_size() {
-    if !missing::has_c_compiler("the_header_and_the_library_agree_on_every_size") {
-        return;
-    }
-    let mut source = format!("#define SMR_PIXELS {PIXELS}\n#define SMR_SPAN {SPAN}\n");
-    source += "#include \"smr.h\"\nint main(void) {\n";
-    for (name, size) in [
+/// A program that compiles if each macro of a size has the library's value.
+fn claims() -> String {
+    let sizes = [
         ("SMR_ALIGNMENT", ALIGNMENT),
         ("SMR_PAPER_TARGET_SIZE", PAPER_TARGET_SIZE),
         ("SMR_PAPER_WORKSPACE_SIZE", PAPER_WORKSPACE_SIZE),
@@ -28,13 +22,9 @@ fn the_header_and_the_library_agree_on_every_size() {
         ("SMR_ROBUST_TARGET_SIZE", ROBUST_TARGET_SIZE),
         ("SMR_ROBUST_WORKSPACE_SIZE", ROBUST_WORKSPACE_SIZE),
         ("SMR_ROBUST_SAVED_SIZE", ROBUST_SAVED_SIZE),
-    ] {
-        source += &claim(name, size);
-    }
-    writeln!(source, "return 0;\n}}").expect("a string takes text");
-
-    let (compiles, words) = compiles("cc", "c99", &source);
-    assert!(compiles, "{words}");
+    ];
+    let claims: String = sizes.iter().map(|(name, size)| claim(name, *size)).collect();
+    format!("int main(void) {{\n{claims}return 0;\n}}\n")
 }
 
 fn compiles(compiler: &str, standard: &str, source: &str) -> (bool, String) {
@@ -52,19 +42,20 @@ fn compiles(compiler: &str, standard: &str, source: &str) -> (bool, String) {
 
 /// If an earlier header leaves `#pragma pack` in force, types would have other sizes, so smr.h must not compile.
 #[test]
-fn a_packing_does_not_compile() {
-    if !missing::has_c_compiler("a_packing_does_not_compile") {
+fn the_header_compiles_with_the_sizes_of_the_library_and_not_in_a_packing() {
+    const TEST: &str = "the_header_compiles_with_the_sizes_of_the_library_and_not_in_a_packing";
+    if !missing::has_c_compiler(TEST) {
         return;
     }
     let has = |compiler| Command::new(compiler).arg("--version").output().is_ok();
     for (compiler, standard) in [("cc", "c99"), ("cc", "c2x"), ("c++", "c++11"), ("c++", "c++20")] {
         if !has(compiler) {
-            println!("skipped: a_packing_does_not_compile: no {compiler}");
+            println!("skipped: {TEST}: no {compiler}");
             continue;
         }
         for (packing, expected) in [("pack(1)", false), ("pack(2)", false), ("pack(4)", false), ("pack(16)", true)] {
-            let source =
-                format!("#pragma {packing}\n#include \"smr.h\"\n#include \"smr.h\"\nint main(void) {{ return 0; }}\n");
+            let head = format!("#define SMR_PIXELS {PIXELS}\n#define SMR_SPAN {SPAN}\n#pragma {packing}\n");
+            let source = head + "#include \"smr.h\"\n#include \"smr.h\"\n" + &claims();
             let (compiled, words) = compiles(compiler, standard, &source);
             assert_eq!(compiled, expected, "{compiler}, {standard}, {packing}: {words}");
             assert!(
