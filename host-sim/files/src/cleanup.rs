@@ -94,11 +94,11 @@ mod tests {
     // Windows renames no folder in which a file is open.
     #[cfg(unix)]
     #[test]
-    fn a_folder_goes_while_pictures_are_written_into_it() {
+    fn a_folder_goes_while_files_are_written_into_it() {
         let place = tempfile::tempdir().unwrap();
-        let folder = place.path().join(".smr-pictures");
+        let folder = place.path().join(".smr-files");
         fs::create_dir(&folder).unwrap();
-        let write = |number: u32| fs::write(folder.join(number.to_string()), "a picture");
+        let write = |number: u32| fs::write(folder.join(number.to_string()), "a file");
         (0..100).try_for_each(write).unwrap();
         thread::scope(|scope| {
             let writer = scope.spawn(|| (100..50_000).try_for_each(write));

@@ -154,7 +154,7 @@ fn temporary(prefix: &str, mode: u32) -> tempfile::Builder<'_, 'static> {
 }
 
 /// A new or empty folder that is being filled. Its files appear together in [`Folder::finish`]. They are not synced, as
-/// an [`Output`] is: that takes about 10 ms for each picture.
+/// an [`Output`] is: that takes about 10 ms for each image.
 pub struct Folder {
     name: PathBuf,
     target: PathBuf,
@@ -381,7 +381,7 @@ mod tests {
         let mode = |name: &str| fs::metadata(path(name)).unwrap().permissions().mode() & 0o777;
         fs::write(path("file"), "former").unwrap();
         fs::set_permissions(path("file"), fs::Permissions::from_mode(0o640)).unwrap();
-        for (link, target) in [("link", "file"), ("new", "fresh"), ("nowhere", "no/file"), ("pictures", "made")] {
+        for (link, target) in [("link", "file"), ("new", "fresh"), ("nowhere", "no/file"), ("images", "made")] {
             symlink(target, path(link)).unwrap();
         }
         write(&path("link"), b"new").unwrap();
@@ -396,10 +396,10 @@ mod tests {
         let begins = format!("cannot write {}: there is no folder ", path("nowhere").display());
         assert!(error.starts_with(&begins) && error.ends_with("/no"), "{error}");
         for _ in 0..2 {
-            let made = Folder::create(&path("pictures")).unwrap();
+            let made = Folder::create(&path("images")).unwrap();
             made.write("1", b"").unwrap();
             made.finish().unwrap();
-            assert!(path("pictures").is_symlink());
+            assert!(path("images").is_symlink());
             assert_eq!(names(&path("made")), ["1"]);
             // The second round starts from an empty folder.
             fs::remove_file(path("made/1")).unwrap();

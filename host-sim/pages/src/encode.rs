@@ -121,7 +121,7 @@ pub(crate) fn rounded(value: f64, digits: i32) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use smr_recordings::{decode_colors, decode_picture};
+    use smr_recordings::{decode_colors, decode_image};
 
     #[test]
     fn a_image_reads_back() {
@@ -132,8 +132,8 @@ mod tests {
         assert_eq!((read.width, read.height, read.pixels), (3, 2, levels.map(color).to_vec()));
 
         let frame = GrayFrame { width: 3, height: 2, pixels: vec![0, 10, 255, 13, 35, 128] };
-        assert_eq!(decode_picture(&png(&frame).unwrap()).unwrap(), frame);
-        assert_eq!(decode_picture(&pgm(&frame)).unwrap(), frame);
+        assert_eq!(decode_image(&png(&frame).unwrap()).unwrap(), frame);
+        assert_eq!(decode_image(&pgm(&frame)).unwrap(), frame);
         assert!(pgm(&frame).starts_with(b"P5\n3 2\n255\n\0"));
 
         let frame = ColorFrame { width: 4, height: 2, pixels: (0..8).map(|at| [at, 2 * at, 3 * at]).collect() };
@@ -146,7 +146,7 @@ mod tests {
         assert_eq!(decode_colors(&read).unwrap().width, 640);
 
         let frame = GrayFrame { width: 8, height: 8, pixels: vec![100; 64] };
-        let read = decode_picture(&jpeg(&frame, GOOD).unwrap()).unwrap();
+        let read = decode_image(&jpeg(&frame, GOOD).unwrap()).unwrap();
         assert!(read.pixels.iter().all(|pixel| pixel.abs_diff(100) <= 2));
     }
 }

@@ -30,7 +30,7 @@ fn colored(frame: Frame, colors: &mut Colors) -> Frame {
     Frame { color: Some(resized(color, width, height)), moment, ..frame }
 }
 
-/// Multiplies a pixel's aspect ratio, `width` to `height`, by `by`, so that an unevenly scaled picture keeps its shape.
+/// Multiplies a pixel's aspect ratio, `width` to `height`, by `by`, so that an unevenly scaled image keeps its shape.
 fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
     if (by - 1.0).abs() < 0.01 {
         // Ignores a difference below 1 %, which comes from rounding when an odd side is halved.
@@ -44,19 +44,19 @@ fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::images::Picture;
+    use crate::formats::images::ImageFile;
     use crate::raster::{ColorFrame, GrayFrame};
     use crate::source::Source;
 
     #[test]
-    fn pictures_keep_their_colors_and_get_the_size_of_the_gray_ones() {
+    fn images_keep_their_colors_and_get_the_size_of_the_gray_ones() {
         let folder = tempfile::tempdir().unwrap();
         let file = |number: u8| {
             let file = folder.path().join(format!("{number}.ppm"));
             std::fs::write(&file, [b"P6 4 2 255\n".as_slice(), &[number, 200, 3].repeat(8)].concat()).unwrap();
             file
         };
-        let source = Source::Pictures([file(1), file(2)].map(Picture::from).to_vec());
+        let source = Source::Images([file(1), file(2)].map(ImageFile::from).to_vec());
         let mut colors = source.color_from(2, u16::MAX, Duration::ZERO);
         let gray = GrayFrame { width: 2, height: 1, pixels: vec![0; 2] };
         let mut next = || colored(Frame::new(1, None, gray.clone()), &mut colors).color.unwrap();

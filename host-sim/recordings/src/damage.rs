@@ -4,7 +4,7 @@ use crate::frame::{Frame, Frames};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use std::fmt;
 
-/// Error of a recording damaged from some frame on: a truncated picture or raw dump, or an error of ffmpeg.
+/// Error of a recording damaged from some frame on: a truncated image or raw dump, or an error of ffmpeg.
 #[derive(Debug)]
 pub struct Damaged {
     why: String,

@@ -1,6 +1,6 @@
 //! Finds the recordings at a path of the command line: the path itself if it is a recording, else those below it.
 
-use crate::folder::{check_pictures, entries};
+use crate::folder::{check_images, entries};
 use crate::open::is_sequence;
 use anyhow::{Context, Result, bail};
 use std::collections::HashSet;
@@ -22,7 +22,7 @@ fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     look_into(entries, &mut found, &mut path.canonicalize().into_iter().collect())?;
     if found.is_empty() {
-        check_pictures(path)?;
+        check_images(path)?;
         bail!("{}: no recording in it: expected one, or folders of recordings", path.display());
     }
     Ok(found)

@@ -14,7 +14,7 @@ use tempfile::TempDir;
 pub type Paper = smr_core::Paper<65536, 4096>;
 
 /// Creates a folder from a text of names separated by spaces: `NAME=TEXT` with `|` for line ends, `LINK->TARGET`, or
-/// the bare name of a picture of 4x3 pixels, whose gray level is the number in its name.
+/// the bare name of an image of 4x3 pixels, whose gray level is the number in its name.
 pub fn folder(files: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for file in files.split(' ').filter(|file| !file.is_empty()) {
@@ -27,9 +27,9 @@ pub fn folder(files: &str) -> TempDir {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         let level: String = name.chars().filter(char::is_ascii_digit).collect();
-        let is_picture = text.is_empty() && images::kind(&path).is_some();
-        let picture = || format!("P2 4 3 255{}", format!(" {level}").repeat(12));
-        fs::write(path, if is_picture { picture() } else { text.replace('|', "\n") }).unwrap();
+        let is_image = text.is_empty() && images::kind(&path).is_some();
+        let image = || format!("P2 4 3 255{}", format!(" {level}").repeat(12));
+        fs::write(path, if is_image { image() } else { text.replace('|', "\n") }).unwrap();
     }
     folder
 }

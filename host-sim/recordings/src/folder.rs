@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 /// Folder beside a recording that holds result files of other trackers.
 pub const RESULTS: &str = "trackers";
 
-/// Subfolders that hold a recording's pictures: `img` in the layout of OTB, `color` in that of VOT.
+/// Subfolders that hold a recording's images: `img` in the layout of OTB, `color` in that of VOT.
 pub const INNER: [&str; 2] = ["img", "color"];
 
-/// Returns the pictures in a folder and its subfolders `INNER`, sorted by name. Errors: The pictures have several
-/// formats or lie in several of these folders, or two pictures have the same number.
-pub(crate) fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
+/// Returns the images in a folder and its subfolders `INNER`, sorted by name. Errors: The images have several
+/// formats or lie in several of these folders, or two images have the same number.
+pub(crate) fn images_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let inner = INNER.map(|inner| folder.join(inner)).into_iter().filter(|inner| inner.is_dir());
     let mut kinds: Vec<Vec<PathBuf>> = Vec::new();
     for place in [Ok(files.to_owned())].into_iter().chain(inner.map(|inner| files_in(&inner))) {
@@ -36,13 +36,13 @@ pub(crate) fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBu
             "{at} holds pictures with two kinds of names, {count} like {one} and {others} like {other}: expected one kind; move the others away"
         );
     }
-    let pictures = kinds.pop().unwrap_or_default();
-    if let Some([one, other]) = names::twins(&pictures).map(|both| both.map(Path::display)) {
+    let images = kinds.pop().unwrap_or_default();
+    if let Some([one, other]) = names::twins(&images).map(|both| both.map(Path::display)) {
         bail!(
             "{at} holds {one} and {other}, two pictures with the same number: expected one for each frame; move the others away"
         );
     }
-    Ok(pictures)
+    Ok(images)
 }
 
 pub(crate) fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<&'a Path> {
@@ -69,8 +69,8 @@ pub(crate) fn is_recording(file: &Path) -> bool {
     y4m::is_y4m(file) || raw::is_raw(file) || ffmpeg::is_video(file)
 }
 
-pub(crate) fn check_pictures(folder: &Path) -> Result<()> {
-    pictures_in(folder, &files_in(folder)?)?.first().map_or(Ok(()), |first| images::check_kind(first))
+pub(crate) fn check_images(folder: &Path) -> Result<()> {
+    images_in(folder, &files_in(folder)?)?.first().map_or(Ok(()), |first| images::check_kind(first))
 }
 
 /// Returns the name of a folder, also of `.` and `..`.
@@ -80,9 +80,9 @@ pub(crate) fn folder_name(folder: &Path) -> String {
     name.map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// True if the extension is that of a picture, video, Y4M file or raw dump.
+/// True if the extension is that of an image, video, Y4M file or raw dump.
 pub fn is_of_frames(file: &Path) -> bool {
-    images::is_picture(file) || is_recording(file)
+    images::is_image(file) || is_recording(file)
 }
 
 /// True if the file has the name of an annotation file, or lies in the folder of other trackers' results.

@@ -1,4 +1,4 @@
-//! Opens recordings by one call, [`open`]: folders of pictures, Y4M, video, raw dumps, cameras and built-in scenes.
+//! Opens recordings by one call, [`open`]: folders of images, Y4M, video, raw dumps, cameras and built-in scenes.
 //!
 //! A [`Sequence`] streams frames with the boxes known about them. [`fault`] and [`cover`] change frames on their way to
 //! a tracker.
@@ -36,7 +36,7 @@ pub use disturb::{away, cover, fault};
 pub use ffmpeg::{Arrivals, Live, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, is_live, silent};
 pub use find::recordings;
 pub use folder::{INNER, RESULTS, is_of_boxes, is_of_frames};
-pub use formats::images::{Picture, decode_colors, decode_picture};
+pub use formats::images::{ImageFile, decode_colors, decode_image};
 pub use formats::to_gray::{Levels, luma};
 pub use frame::{Frame, Frames, Moment};
 pub use frame_number::FrameNumber;

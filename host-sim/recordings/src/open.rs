@@ -1,10 +1,10 @@
-//! Opens a recording by its path: folders of pictures, Y4M, video, raw dumps, cameras and built-in scenes.
+//! Opens a recording by its path: folders of images, Y4M, video, raw dumps, cameras and built-in scenes.
 
 use crate::annotations::boxes::{self, BoundingBox};
 use crate::built_in::{BUILT_IN, built_in};
 use crate::ffmpeg::{self, Live, is_live};
-use crate::folder::{INNER, check_file, files_in, folder_name, is_recording, only_recording, pictures_in};
-use crate::formats::images::{self, Picture};
+use crate::folder::{INNER, check_file, files_in, folder_name, images_in, is_recording, only_recording};
+use crate::formats::images::{self, ImageFile};
 use crate::formats::names::has_extension;
 use crate::formats::to_gray::Levels;
 use crate::formats::{raw, y4m};
@@ -20,9 +20,9 @@ use std::time::Duration;
 
 #[derive(Clone, Debug, Default)]
 pub struct OpenOptions {
-    /// Frame width and height of a raw dump. If given, any file but a picture, video or Y4M is read as a raw dump.
+    /// Frame width and height of a raw dump. If given, any file but an image, video or Y4M is read as a raw dump.
     pub size: Option<(u16, u16)>,
-    /// Range of 16-bit values to stretch to 0..255; an error if the recording is not of 16-bit pictures.
+    /// Range of 16-bit values to stretch to 0..255; an error if the recording is not of 16-bit images.
     pub levels: Option<Levels>,
     /// Start box, in place of the one in files beside the recording.
     pub init: Option<BoundingBox>,
@@ -38,7 +38,7 @@ impl OpenOptions {
     }
 }
 
-/// Opens the recording at `path`: a folder of pictures (also one level down, in `img/` or `color/`), a folder with one
+/// Opens the recording at `path`: a folder of images (also one level down, in `img/` or `color/`), a folder with one
 /// video, Y4M file or raw dump, or such a file itself. A name in [`BUILT_IN`] is a built-in recording, even if a folder
 /// has that name (`./synthetic` is the folder), and `-` is Y4M from standard input.
 ///
@@ -69,9 +69,9 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         let (name, folder, sequence) = if kind.is_dir() {
             (folder_name(path), path, source_in(path, options)?)
         } else {
-            let is_picture = images::is_picture(path) && options.size.is_none();
+            let is_image = images::is_image(path) && options.size.is_none();
             let sequence =
-                if is_picture { pictures(Picture::all_in(path), path, options) } else { source_of(path, options)? };
+                if is_image { images(ImageFile::all_in(path), path, options) } else { source_of(path, options)? };
             let name =
                 path.file_stem().map_or_else(|| path.as_os_str().to_string_lossy(), |stem| stem.to_string_lossy());
             (name.into_owned(), path.parent().unwrap_or(Path::new("")), sequence)
@@ -79,7 +79,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         let (truth, init) = boxes_in(folder)?;
         Sequence { name, init, truth, ..sequence }
     };
-    let has_levels = matches!(sequence.source, Source::Pictures(_));
+    let has_levels = matches!(sequence.source, Source::Images(_));
     ensure!(options.levels.is_none() || has_levels, "--levels is for 16-bit pictures: {} is none", sequence.name);
     sequence.init = options.init.or(sequence.init);
     // Tables have one line for each recording, so the name must be one line.
@@ -100,11 +100,10 @@ pub fn is_sequence(path: &Path) -> bool {
     }
     let holds =
         |folder: &Path, is: fn(&Path) -> bool| files_in(folder).is_ok_and(|files| files.iter().any(|file| is(file)));
-    // Unsupported pictures beside boxes count as a recording, so that `open` reports why it cannot read them.
+    // Unsupported images beside boxes count as a recording, so that `open` reports why it cannot read them.
     let has_boxes = holds(path, boxes::is_known);
-    let has_pictures =
-        |folder: &Path| holds(folder, images::is_picture) || has_boxes && holds(folder, images::is_foreign);
-    holds(path, is_recording) || has_pictures(path) || INNER.iter().any(|inner| has_pictures(&path.join(inner)))
+    let has_images = |folder: &Path| holds(folder, images::is_image) || has_boxes && holds(folder, images::is_foreign);
+    holds(path, is_recording) || has_images(path) || INNER.iter().any(|inner| has_images(&path.join(inner)))
 }
 
 type Truth = Vec<Option<BoundingBox>>;
@@ -121,46 +120,46 @@ pub fn start_beside(file: &Path) -> Result<Option<BoundingBox>> {
     Ok(boxes_in(file.parent().unwrap_or(Path::new("")))?.1)
 }
 
-fn pictures(mut pictures: Vec<Picture>, at: &Path, options: &OpenOptions) -> Sequence {
-    let length = Some(pictures.len());
-    pictures.iter_mut().for_each(|picture| picture.levels = options.levels);
-    let notes = images::levels_note(&pictures).into_iter().collect();
-    let frames = images::frames(&pictures, 1);
-    Sequence { length, notes, ..Sequence::streamed(at.display().to_string(), frames, Source::Pictures(pictures)) }
+fn images(mut images: Vec<ImageFile>, at: &Path, options: &OpenOptions) -> Sequence {
+    let length = Some(images.len());
+    images.iter_mut().for_each(|image| image.levels = options.levels);
+    let notes = images::levels_note(&images).into_iter().collect();
+    let frames = images::frames(&images, 1);
+    Sequence { length, notes, ..Sequence::streamed(at.display().to_string(), frames, Source::Images(images)) }
 }
 
 fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
     let files = files_in(folder)?;
-    let pictures = pictures_in(folder, &files)?;
-    if pictures.is_empty() {
+    let images = images_in(folder, &files)?;
+    if images.is_empty() {
         return source_of(only_recording(folder, &files)?, options);
     }
-    let (count, at) = (pictures.len(), folder.display());
+    let (count, at) = (images.len(), folder.display());
     ensure!(options.size.is_none(), "--size is for raw dumps: {at} holds pictures");
     if let Some(recording) = files.iter().find(|file| is_recording(file)) {
-        let (picture, recording) = (pictures[0].display(), recording.display());
+        let (image, recording) = (images[0].display(), recording.display());
         bail!(
-            "{at} holds {recording} and {count} pictures, {picture} first: expected one or the other; name the file meant"
+            "{at} holds {recording} and {count} pictures, {image} first: expected one or the other; name the file meant"
         );
     }
-    images::check_kind(&pictures[0])?;
-    // A skipped picture would shift the boxes of all later frames, so a path that is no file (broken link) is an error.
-    for (number, picture) in (1..).zip(&pictures) {
-        check_file(picture, &format!("{} (frame {number})", picture.display()))?;
+    images::check_kind(&images[0])?;
+    // A skipped image would shift the boxes of all later frames, so a path that is no file (broken link) is an error.
+    for (number, image) in (1..).zip(&images) {
+        check_file(image, &format!("{} (frame {number})", image.display()))?;
     }
-    Ok(self::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
+    Ok(self::images(images.into_iter().map(ImageFile::from).collect(), folder, options))
 }
 
 fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     let name = file.display().to_string();
-    // ffmpeg would read an unsupported picture as a video of one frame. A GIF may be an animation, so ffmpeg reads it.
+    // ffmpeg would read an unsupported image as a video of one frame. A GIF may be an animation, so ffmpeg reads it.
     if !has_extension(file, &["gif"]) {
         images::check_kind(file)?;
     }
     let data = fs::metadata(file).with_context(|| format!("cannot open {name}"))?;
     // A pipe has length 0, but can be read.
     ensure!(!data.is_file() || data.len() > 0, "{name} is empty: expected a recording");
-    let is_other = ffmpeg::is_video(file) || y4m::is_y4m(file) || images::is_picture(file);
+    let is_other = ffmpeg::is_video(file) || y4m::is_y4m(file) || images::is_image(file);
     ensure!(options.size.is_none() || !is_other, "--size is for raw dumps: {name} is none");
     if options.size.is_some() || raw::is_raw(file) {
         let size = options
@@ -184,7 +183,7 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     }
     let reading = ffmpeg::open("ffmpeg", file, ffmpeg::Use::Gray, options.patience())?;
     let notes = reading.note.clone().into_iter().collect();
-    let frames = (1..).zip(reading).map(|(number, picture)| Ok(picture?.gray(number)));
+    let frames = (1..).zip(reading).map(|(number, image)| Ok(image?.gray(number)));
     Ok(Sequence { notes, ..Sequence::streamed(name, frames, source) })
 }
 

@@ -1,7 +1,7 @@
 //! A recording that is read from any frame on, more than once.
 
 use crate::built_in::BUILT_IN;
-use crate::ffmpeg::{self, Index, Picture, Use};
+use crate::ffmpeg::{self, Image, Index, Use};
 use crate::formats::{images, y4m};
 use crate::frame::Frames;
 use crate::open::{OpenOptions, open};
@@ -12,7 +12,7 @@ use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A recording that can be read from any frame on: pictures and Y4M by frame number, a video after a seek. Raw dumps
+/// A recording that can be read from any frame on: images and Y4M by frame number, a video after a seek. Raw dumps
 /// are read from their start; so is a video if a sought frame's time differs from the index or ffmpeg reports an error.
 pub struct Seekable {
     path: PathBuf,
@@ -39,11 +39,11 @@ impl Seekable {
     /// Returns the gray frames from `number` on; an error if the recording cannot be read.
     pub fn gray_from(&self, number: usize) -> Result<Frames> {
         Ok(match &self.source {
-            Source::Pictures(files) => Box::new(images::frames(files, number)),
+            Source::Images(files) => Box::new(images::frames(files, number)),
             Source::Video(file) if number > 1 && y4m::is_y4m(file) => Box::new(y4m::open(file)?.from(number)),
             Source::Video(file) if number > 1 => {
-                let pictures = self.pictures_from(file, number, Use::Gray);
-                Box::new((number..).zip(pictures).map(|(number, picture)| Ok(picture?.gray(number))))
+                let images = self.images_from(file, number, Use::Gray);
+                Box::new((number..).zip(images).map(|(number, image)| Ok(image?.gray(number))))
             }
             _ => Box::new(open(&self.path, &self.options)?.frames.skip(number - 1)),
         })
@@ -54,8 +54,8 @@ impl Seekable {
     pub fn color_from(&self, number: usize, side: u16) -> Result<Box<dyn Iterator<Item = ColorFrame> + Send>> {
         Ok(match &self.source {
             Source::Video(file) if number > 1 => {
-                let pictures = self.pictures_from(file, number, Use::Color(side));
-                Box::new(pictures.map_while(Result::ok).map(|picture| picture.color().0))
+                let images = self.images_from(file, number, Use::Color(side));
+                Box::new(images.map_while(Result::ok).map(|image| image.color().0))
             }
             Source::Once | Source::Live(_) => {
                 Box::new(self.gray_from(number)?.map_while(Result::ok).map(|frame| (&frame.gray).into()))
@@ -64,29 +64,24 @@ impl Seekable {
         })
     }
 
-    /// Returns the pictures of a video from `number` on: after a seek, as long as their times agree with the index and
+    /// Returns the images of a video from `number` on: after a seek, as long as their times agree with the index and
     /// ffmpeg reports no error; after that by decoding from the start.
-    fn pictures_from(
-        &self,
-        file: &Path,
-        mut number: usize,
-        wanted: Use,
-    ) -> impl Iterator<Item = Result<Picture>> + use<> {
+    fn images_from(&self, file: &Path, mut number: usize, wanted: Use) -> impl Iterator<Item = Result<Image>> + use<> {
         let (index, file, patience) = (Arc::clone(&self.index), file.to_owned(), self.options.patience());
         let video = index.video();
         let found = video.zip(index.sought(number)).and_then(|(video, time)| ffmpeg::sought(&video, time, wanted));
-        let (mut first, mut pictures) = found.unzip();
-        let mut rest: Option<Box<dyn Iterator<Item = Result<Picture>> + Send>> = None;
+        let (mut first, mut images) = found.unzip();
+        let mut rest: Option<Box<dyn Iterator<Item = Result<Image>> + Send>> = None;
         std::iter::from_fn(move || {
-            if let Some(sought) = &mut pictures {
-                let picture = first.take().or_else(|| sought.next().ok()?);
-                match picture.filter(|picture| index.has(number, picture.seconds())) {
-                    Some(picture) => {
+            if let Some(sought) = &mut images {
+                let image = first.take().or_else(|| sought.next().ok()?);
+                match image.filter(|image| index.has(number, image.seconds())) {
+                    Some(image) => {
                         number += 1;
-                        return Some(Ok(picture));
+                        return Some(Ok(image));
                     }
                     None if sought.is_whole() && index.ends_before(number) => return None,
-                    None => pictures = None,
+                    None => images = None,
                 }
             }
             let begin = || -> Box<dyn Iterator<Item = _> + Send> {
@@ -117,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_and_made_frames_are_read_from_any_place_on() {
+    fn images_and_made_frames_are_read_from_any_place_on() {
         let names: Vec<String> = (1..=12).map(|number| format!("{number}.png")).collect();
         let folder = crate::fixtures::folder(&names.join(" "));
         let (recording, sequence) = Seekable::open(folder.path(), &OpenOptions::default()).unwrap();

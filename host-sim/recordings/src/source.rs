@@ -1,6 +1,6 @@
 //! The source of a recording, from which frames are read again: in color, or from any frame number on.
 
-use crate::ffmpeg::{self, Arrivals, Picture, Use};
+use crate::ffmpeg::{self, Arrivals, Image, Use};
 use crate::formats::images;
 use crate::frame::Moment;
 use crate::raster::ColorFrame;
@@ -14,7 +14,7 @@ pub enum Source {
     /// A source that cannot be read again in color: a pipe, or gray frames.
     #[default]
     Once,
-    Pictures(Vec<images::Picture>),
+    Images(Vec<images::ImageFile>),
     Video(PathBuf),
     /// A live source, whose frames carry their own color planes.
     Live(Arc<Arrivals>),
@@ -30,9 +30,9 @@ impl Source {
         if let Self::Video(file) = self { Some(file) } else { None }
     }
 
-    pub fn picture_names(&self) -> Vec<String> {
-        let Self::Pictures(pictures) = self else { return Vec::new() };
-        pictures.iter().filter_map(images::Picture::name).collect()
+    pub fn image_names(&self) -> Vec<String> {
+        let Self::Images(images) = self else { return Vec::new() };
+        images.iter().filter_map(images::ImageFile::name).collect()
     }
 
     /// Returns the number of frames of a video; `None` if only decoding the whole video would show it.
@@ -49,16 +49,16 @@ impl Source {
     pub(crate) fn color_from(&self, first: usize, side: u16, patience: Duration) -> Colors {
         match self {
             Self::Once | Self::Live(_) => Box::new(std::iter::empty()),
-            Self::Pictures(pictures) => {
-                let rest = pictures.get(first - 1..).unwrap_or_default().to_owned();
-                Box::new(rest.into_iter().map_while(|picture| Some((picture.colors().ok()?, None))))
+            Self::Images(images) => {
+                let rest = images.get(first - 1..).unwrap_or_default().to_owned();
+                Box::new(rest.into_iter().map_while(|image| Some((image.colors().ok()?, None))))
             }
             Self::Made(frame, length) => {
                 let frame = *frame;
                 Box::new((first - 1..*length).map(move |index| (frame(index), None)))
             }
             Self::Video(file) => {
-                Box::new(ffmpeg::good(file, Use::Color(side), patience).skip(first - 1).map(Picture::color))
+                Box::new(ffmpeg::good(file, Use::Color(side), patience).skip(first - 1).map(Image::color))
             }
         }
     }

@@ -94,7 +94,7 @@ impl Track {
             name: sequence.name.clone(),
             origin: variant.origin(),
             targets: targets.iter().map(|target| target.name.clone()).collect(),
-            images: sequence.source.picture_names(),
+            images: sequence.source.image_names(),
         };
         let printer = Printer::new(format, about);
         ensure!(films.len() < 2, "--out and --video both name a video: expected one of them");

@@ -158,7 +158,7 @@ impl View {
             complain(&format!("note: {}: {note}", sequence.name));
         }
         let beside = sequence.init.is_some().then(|| sequence.start()).transpose()?;
-        let (images, length) = (sequence.source.picture_names(), sequence.length);
+        let (images, length) = (sequence.source.image_names(), sequence.length);
         Ok(Opened { name: sequence.name, source: Arc::new(source), images, length, beside })
     }
 

@@ -42,7 +42,7 @@ fn recording(name: &str, bytes: &[u8], size: Option<(u16, u16)>) {
 
 /// Reads PNM, PNG or JPEG, detected by the first bytes.
 pub(crate) fn picture(bytes: &[u8]) {
-    let Ok(frame) = smr_recordings::decode_picture(bytes) else { return };
+    let Ok(frame) = smr_recordings::decode_image(bytes) else { return };
     assert_eq!(frame.pixels.len(), usize::from(frame.width) * usize::from(frame.height));
     let _ = frame.frame();
 }

@@ -267,7 +267,7 @@ pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     }
 }
 
-/// Returns the box around the target in a run-length mask. The runs go through a rectangle of the picture row by row,
+/// Returns the box around the target in a run-length mask. The runs go through a rectangle of the image row by row,
 /// and are alternately background (first) and target. The outer `None` means that the text is no mask.
 pub(crate) fn mask(text: &str) -> Option<Option<BoundingBox>> {
     let numbers = text.split(',').map(|field| field.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
@@ -331,7 +331,7 @@ mod tests {
         let shown = |entry: Option<BoundingBox>| entry.map_or("-".to_owned(), |entry| entry.to_string());
         let otb = "\u{feff}129,80,64,78\n129\t80\t64\t78\n 129  80 64 78\n129, 80, 64, 78\n0,0,0,0\nNaN,1,2,3";
         let vot = "1,2,3,4\n10.5,20,30,20,30,40,10.5,40\nnan,nan,nan,nan\n0\n0,0,0,0\n5 6 7 8\nnan,1,2,3,4,5";
-        // One mask in both forms of vot-toolkit 0.9: of the whole picture, and cropped to the target.
+        // One mask in both forms of vot-toolkit 0.9: of the whole image, and cropped to the target.
         let whole_mask = format!("m0,0,50,40,365,15,30{},20,1020", ",20,30".repeat(11));
         for (form, text, expected) in [
             (Form::Tld, "165,93,216,147\r\n164.5,93.25,215.5,147.25\r\n", "165,93,51,54 164.5,93.25,51,54"),

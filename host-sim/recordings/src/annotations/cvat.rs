@@ -208,7 +208,7 @@ const CUBOID: [[&str; 2]; 8] = [
     ["xbr2", "ybr2"],
 ];
 
-/// Returns cosine and sine of a shape's rotation, clockwise about its centre, in a picture whose y axis points down.
+/// Returns cosine and sine of a shape's rotation, clockwise about its centre, in an image whose y axis points down.
 fn rotation(shape: &Element) -> Result<[f64; 2]> {
     let degrees = if shape.attribute("rotation").is_some() { value(shape, "rotation")? } else { 0.0 };
     let (sin, cos) = (degrees % 360.0).to_radians().sin_cos();

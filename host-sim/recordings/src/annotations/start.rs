@@ -128,7 +128,7 @@ fn split_frame(text: &str) -> Result<(&str, Option<usize>)> {
     Ok((before, Some(number.get())))
 }
 
-/// Checks the name of a target, which appears in tables, file names and pictures.
+/// Checks the name of a target, which appears in tables, file names and images.
 pub fn checked_name(name: &str) -> Result<String> {
     let fits = |letter: char| letter.is_alphanumeric() || "-_. ".contains(letter);
     let plain = !name.trim().is_empty() && name.trim() == name && name.chars().all(fits);

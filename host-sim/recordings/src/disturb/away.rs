@@ -12,7 +12,7 @@ pub struct Away {
     sides: [i32; 2],
     /// Column range and row range of the strip beside the target; only the strip is shown while the target is gone.
     strip: [Range<i32>; 2],
-    /// Shift of the picture to the right and down in pixels, once the target has returned.
+    /// Shift of the image to the right and down in pixels, once the target has returned.
     shift: [i32; 2],
 }
 

@@ -121,7 +121,7 @@ impl Fault {
             Kind::Gamma => relight(pixels, |level| raised(level, f64::from(amount) / 100.0)),
             Kind::Offset => relight(pixels, |level| level + i64::from(amount)),
             Kind::Origin => {
-                // Repeats the edges of the shifted picture in the area that it leaves uncovered.
+                // Repeats the edges of the shifted image in the area that it leaves uncovered.
                 let (right, down) = (i32::from(amount), i32::from(amount / 2));
                 let level = |x: i32, y: i32| frame.level((x - right).max(0), (y - down).max(0));
                 return Some(GrayFrame::drawn(frame.width, frame.height, level));

@@ -1,4 +1,4 @@
-//! Facts about a video file, known before a picture is decoded.
+//! Facts about a video file, known before an image is decoded.
 
 use super::matroska;
 use super::packets::{KEY, Packets, Stream};
@@ -11,7 +11,7 @@ use std::time::Duration;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Facts {
-    /// Number among the video streams of the one that is read. Cover pictures do not count.
+    /// Number among the video streams of the one that is read. Cover images do not count.
     pub stream: usize,
     pub codec: String,
     /// Unit of the stream's times in seconds, as a fraction.
@@ -50,7 +50,7 @@ impl Video {
         Ok(Self { input, facts, transfer: OnceLock::new() })
     }
 
-    /// Returns the HDR transfer function; `None` without HDR. The first call decodes a picture.
+    /// Returns the HDR transfer function; `None` without HDR. The first call decodes an image.
     pub(super) fn transfer(&self) -> Option<Transfer> {
         *self.transfer.get_or_init(|| tones::transfer(&self.input, self.facts.stream).ok().flatten())
     }
@@ -85,7 +85,7 @@ impl Facts {
         Self { stream, codec, base, aspect, ..Self::default() }
     }
 
-    /// Tells a file without pictures, such as a sound recording, from one that ffmpeg cannot read.
+    /// Tells a file without images, such as a sound recording, from one that ffmpeg cannot read.
     fn refuse(input: &Input, mut packets: Packets) -> Result<Self> {
         let mut all = Packets::of(input, &[], &["-map", "0", "-t", "0"])?;
         while all.next()?.is_some() {}

@@ -2,9 +2,9 @@
 //!
 //! Times are read from packets if each packet is one frame and times grow; otherwise the whole file is decoded.
 
+use super::decoder::{FROM_ZERO, MAX_TIME_JUMP, Use};
 use super::facts::Video;
 use super::packets::{DISCARDED, Packets};
-use super::pictures::{FROM_ZERO, MAX_TIME_JUMP, Use};
 use super::reading;
 use crate::formats::y4m;
 use smr_files::locked;
@@ -114,7 +114,7 @@ pub(crate) fn count(file: &Path, patience: Duration) -> Option<usize> {
 }
 
 fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
-    reading::good(file, Use::Times, patience).map_while(|picture| picture.seconds())
+    reading::good(file, Use::Times, patience).map_while(|image| image.seconds())
 }
 
 /// Result of reading the packets of a file, with only the first frames decoded.

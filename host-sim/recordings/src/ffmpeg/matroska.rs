@@ -100,7 +100,7 @@ pub(super) fn damage(file: &Path) -> Option<u64> {
         let is_whole = match sum_holds(&mut input, size)? {
             Some(holds) => {
                 has_checksums = true;
-                // Nothing else, such as tags, decides about pictures.
+                // Nothing else, such as tags, decides about images.
                 holds || ![CLUSTER, TRACKS].contains(&id)
             }
             // A writer of checksums writes one into every cluster.

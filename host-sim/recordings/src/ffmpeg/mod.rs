@@ -1,17 +1,17 @@
-//! Turns an `ffmpeg` (5.1 or later) from the PATH into facts: pictures, and whether they are whole.
+//! Turns an `ffmpeg` (5.1 or later) from the PATH into facts: images, and whether they are whole.
 //!
 //! ffmpeg fills damaged areas and often ends with success, and its messages differ between versions. So nothing here
 //! reads the words of a message. The facts are its exit status (`-xerror -err_detect explode`), the level of each
-//! message, pictures in NUT, lines of packets by `framecrc`, and the time of each picture by the filter `metadata`.
+//! message, images in NUT, lines of packets by `framecrc`, and the time of each image by the filter `metadata`.
 //! Messages are only quoted.
 
+mod decoder;
 mod facts;
 mod index;
 mod live;
 mod matroska;
 mod nut;
 mod packets;
-mod pictures;
 mod process;
 mod reading;
 mod search;
@@ -19,10 +19,10 @@ mod search;
 mod tests;
 mod tones;
 
+pub(super) use decoder::{Image, Use};
 pub(super) use index::{Index, count};
 pub(super) use live::without_secrets;
 pub use live::{Arrivals, Live, is_live};
-pub(super) use pictures::{Picture, Use};
 pub use process::{PATIENCE, input, silent};
 pub(super) use reading::{good, open, sought};
 

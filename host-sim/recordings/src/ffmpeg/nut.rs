@@ -1,4 +1,4 @@
-//! Reads NUT, the container in which ffmpeg hands over its pictures: each packet with its stream and its length.
+//! Reads NUT, the container in which ffmpeg hands over its images: each packet with its stream and its length.
 //!
 //! Only what ffmpeg writes on a pipe is read: version 3, no checksums verified, no time stamps kept.
 
@@ -243,8 +243,8 @@ pub(super) mod tests {
         [&head()[..], &[0, 1, 2, b'a', b'b'], &[0, 1, 0xA7, 8], &[7; 5000]].concat()
     }
 
-    /// Gray pictures of 2x1 pixels, each with its row.
-    pub fn pictures(count: usize) -> Vec<u8> {
+    /// Gray images of 2x1 pixels, each with its row.
+    pub fn images(count: usize) -> Vec<u8> {
         [head(), [0, 0, 2, b'a', b'b', 0, 1, 2, b'a', b'b'].repeat(count)].concat()
     }
 

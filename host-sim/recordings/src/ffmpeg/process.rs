@@ -77,32 +77,32 @@ pub fn silent(patience: Duration) -> io::Error {
 pub(super) enum Line {
     /// A message of level error or above.
     Complaint(String),
-    /// A picture that has passed the filter [`MARK`]: its time in the unit of the stream, if known.
-    Picture(Option<i64>),
+    /// An image that has passed the filter [`MARK`]: its time in the unit of the stream, if known.
+    Image(Option<i64>),
     /// A line of `framecrc`: `#name stream: value`, or the fields of a packet.
     Row(String),
     /// A line without a level: of a loader, or the rest of a message.
     Other(String),
 }
 
-/// Filters that print a line for each picture on standard error, in order with the complaints about it.
+/// Filters that print a line for each image on standard error, in order with the complaints about it.
 pub(super) const MARK: &str = "metadata=mode=add:key=smr:value=1,metadata=mode=print:key=smr:file='pipe\\:2':direct=1";
 
-/// Second line that [`MARK`] prints for a picture.
+/// Second line that [`MARK`] prints for an image.
 const KEY: &str = "smr=1";
 
 impl Line {
-    /// Sorts a line. ffmpeg's threads may write a picture's line inside a complaint, which then is both.
+    /// Sorts a line. ffmpeg's threads may write an image's line inside a complaint, which then is both.
     fn sort(line: &str, add: impl Fn(Self)) {
         let words = ["[error] ", "[fatal] ", "[panic] "].iter().find_map(|level| Some(line.split_once(level)?.1));
-        let picture = picture_time(line);
+        let image = image_time(line);
         let is_row = line.starts_with(|first: char| first == '#' || first.is_ascii_digit());
         if let Some(words) = words {
-            let own = words.find("frame:").filter(|_| picture.is_some()).unwrap_or(words.len());
+            let own = words.find("frame:").filter(|_| image.is_some()).unwrap_or(words.len());
             add(Self::Complaint(words[..own].trim().to_owned()));
         }
-        match (picture, words) {
-            (Some(time), _) => add(Self::Picture(time)),
+        match (image, words) {
+            (Some(time), _) => add(Self::Image(time)),
             (None, None) if line.ends_with(KEY) => {}
             (None, None) if is_row => add(Self::Row(line.to_owned())),
             (None, None) => add(Self::Other(line.to_owned())),
@@ -112,7 +112,7 @@ impl Line {
 }
 
 /// Parses `frame:1    pts:512     pts_time:0.04`, which may stand inside a torn line.
-fn picture_time(line: &str) -> Option<Option<i64>> {
+fn image_time(line: &str) -> Option<Option<i64>> {
     let (_, fields) = line.split_once("frame:")?;
     let mut fields = fields.split_whitespace();
     let _number: u64 = fields.next()?.parse().ok()?;
@@ -239,10 +239,10 @@ mod tests {
             ("[error] file:a.mp4: Invalid [data] found", vec![complaint("file:a.mp4: Invalid [data] found")]),
             ("cannot load a library", vec![other("cannot load a library")]),
             ("smr=1", vec![]),
-            ("frame:1    pts:512     pts_time:0.04", vec![Line::Picture(Some(512))]),
-            ("frame:0    pts:NOPTS   pts_time:NOPTS", vec![Line::Picture(None)]),
-            ("[h264 @ 0x5] frame:3 pts:-7 pts_time:-1", vec![Line::Picture(Some(-7))]),
-            ("[h264 @ 0x5] [error] frame:3 pts:7 pts_time:1", vec![complaint(""), Line::Picture(Some(7))]),
+            ("frame:1    pts:512     pts_time:0.04", vec![Line::Image(Some(512))]),
+            ("frame:0    pts:NOPTS   pts_time:NOPTS", vec![Line::Image(None)]),
+            ("[h264 @ 0x5] frame:3 pts:-7 pts_time:-1", vec![Line::Image(Some(-7))]),
+            ("[h264 @ 0x5] [error] frame:3 pts:7 pts_time:1", vec![complaint(""), Line::Image(Some(7))]),
             ("#tb 0: 1/25", vec![Line::Row("#tb 0: 1/25".to_owned())]),
             ("0, 1, 2, 3, 4, 0x5", vec![Line::Row("0, 1, 2, 3, 4, 0x5".to_owned())]),
         ] {

@@ -1,10 +1,10 @@
-//! Reads the pictures of a file in order, up to the last whole one.
+//! Reads the images of a file in order, up to the last whole one.
 //!
-//! A doubt about pictures that are read directly is checked by packets: joined files, and complaints about what is not
+//! A doubt about images that are read directly is checked by packets: joined files, and complaints about what is not
 //! decoded, are no damage.
 
+use super::decoder::{Decoder, End, Image, Part, Use};
 use super::facts::{EXPECTED, Facts, Video};
-use super::pictures::{End, Part, Picture, Pictures, Use};
 use super::process::Input;
 use super::search::{self, List, Whole};
 use crate::damage::damaged;
@@ -12,7 +12,7 @@ use anyhow::{Context, Error, Result, anyhow};
 use std::path::Path;
 use std::time::Duration;
 
-/// Number of decoded pictures before a doubt that do not count as whole: a wrong picture can come before the complaint.
+/// Number of decoded images before a doubt that do not count as whole: a wrong image can come before the complaint.
 const MARGIN: usize = 2;
 
 const ALL_PACKETS: Part = Part::Packets(usize::MAX);
@@ -20,19 +20,19 @@ const ALL_PACKETS: Part = Part::Packets(usize::MAX);
 /// Time error in seconds from which a seek is a miss; rounding to milliseconds alone causes errors of up to 0.0005 s.
 const SEEK_TOLERANCE: f64 = 0.0006;
 
-/// A video that is read in order: its pictures, then an error if they are not whole.
+/// A video that is read in order: its images, then an error if they are not whole.
 pub(crate) struct Reading {
     /// Sentence for people about a recording that is not read from its start.
     pub note: Option<String>,
     video: Video,
     wanted: Use,
     part: Part,
-    pictures: Pictures,
+    decoder: Decoder,
     /// True if a check by packets has found the recording whole.
     is_checked: bool,
-    /// The first picture, taken from `pictures` but not yet given.
-    first: Option<Picture>,
-    /// Hash of the first picture.
+    /// The first image, taken from `decoder` but not yet given.
+    first: Option<Image>,
+    /// Hash of the first image.
     hash: Option<u64>,
     taken: usize,
     doubt: Option<Doubt>,
@@ -40,21 +40,21 @@ pub(crate) struct Reading {
 }
 
 struct Doubt {
-    /// Number of whole pictures before the damage.
+    /// Number of whole images before the damage.
     whole: usize,
-    /// Number of whole pictures that every run finds.
+    /// Number of whole images that every run finds.
     advised: usize,
     words: String,
 }
 
-/// Opens a file. Errors: no ffmpeg, or no picture.
+/// Opens a file. Errors: no ffmpeg, or no image.
 pub(crate) fn open(program: &str, file: &Path, wanted: Use, patience: Duration) -> Result<Reading> {
     let name = file.display().to_string();
     let cannot_read = || format!("cannot read {name} through ffmpeg");
     let mut reading = Reading::start(Video::of(program, file, patience)?, wanted)?;
     let mut first = reading.next_whole().with_context(cannot_read)?;
     if reading.part == ALL_PACKETS {
-        if reading.pictures.decoded() > 0 {
+        if reading.decoder.decoded() > 0 {
             reading.note = Some(format!("{name} begins between two key frames: it is read from the first one on"));
         } else {
             // Some containers mark no key frames.
@@ -69,7 +69,7 @@ pub(crate) fn open(program: &str, file: &Path, wanted: Use, patience: Duration) 
             "{name}: ffmpeg complains while it opens the file, so frames may be wrong or missing: {noted}"
         ));
     }
-    if reading.pictures.decoded() == 0 {
+    if reading.decoder.decoded() == 0 {
         return Err(match reading.doubt {
             Some(_) if reading.video.input.end.is_some() => reading.damage(0, ""),
             Some(Doubt { words, .. }) => anyhow!("ffmpeg cannot decode {name}: {words}: {EXPECTED}"),
@@ -80,19 +80,19 @@ pub(crate) fn open(program: &str, file: &Path, wanted: Use, patience: Duration) 
     Ok(reading)
 }
 
-/// Returns the pictures of a file up to the first error.
-pub(crate) fn good(file: &Path, wanted: Use, patience: Duration) -> impl Iterator<Item = Picture> + use<> {
+/// Returns the images of a file up to the first error.
+pub(crate) fn good(file: &Path, wanted: Use, patience: Duration) -> impl Iterator<Item = Image> + use<> {
     open("ffmpeg", file, wanted, patience).into_iter().flatten().map_while(Result::ok)
 }
 
-/// Seeks the picture shown at `time`, in seconds; returns it and all later ones, or `None` if the seek misses it.
-pub(crate) fn sought(video: &Video, time: f64, wanted: Use) -> Option<(Picture, Pictures)> {
+/// Seeks the image shown at `time`, in seconds; returns it and all later ones, or `None` if the seek misses it.
+pub(crate) fn sought(video: &Video, time: f64, wanted: Use) -> Option<(Image, Decoder)> {
     // Seeks 0.1 ms before `time`; after a miss, 10 s before: some files cannot be decoded from just before it.
     [0.0001, 10.0].iter().find_map(|before| {
         let part = Part::From { seek: time - before, time: time - SEEK_TOLERANCE / 2.0 };
-        let mut pictures = Pictures::start(video, wanted, part).ok()?;
-        let first = pictures.next().ok()??;
-        first.seconds().is_some_and(|found| (found - time).abs() < SEEK_TOLERANCE).then_some((first, pictures))
+        let mut decoder = Decoder::start(video, wanted, part).ok()?;
+        let first = decoder.next().ok()??;
+        first.seconds().is_some_and(|found| (found - time).abs() < SEEK_TOLERANCE).then_some((first, decoder))
     })
 }
 
@@ -101,7 +101,7 @@ impl Reading {
         let part = if video.facts.begins_at_key { Part::Whole } else { ALL_PACKETS };
         Ok(Self {
             note: None,
-            pictures: Pictures::start(&video, wanted, part)?,
+            decoder: Decoder::start(&video, wanted, part)?,
             video,
             wanted,
             part,
@@ -114,19 +114,19 @@ impl Reading {
         })
     }
 
-    /// Takes the next whole picture; after `None`, `doubt` says whether the recording goes on.
-    fn next_whole(&mut self) -> Result<Option<Picture>> {
+    /// Takes the next whole image; after `None`, `doubt` says whether the recording goes on.
+    fn next_whole(&mut self) -> Result<Option<Image>> {
         while self.doubt.is_none() {
-            if let Some(picture) = self.pictures.next()? {
+            if let Some(image) = self.decoder.next()? {
                 self.taken += 1;
-                self.hash.get_or_insert_with(|| picture.hash());
-                return Ok(Some(picture));
+                self.hash.get_or_insert_with(|| image.hash());
+                return Ok(Some(image));
             }
-            match self.pictures.end() {
+            match self.decoder.end() {
                 Some(End::Doubtful { decoded, words }) => {
                     let (decoded, words) = (*decoded, words.clone());
                     if self.part == Part::Whole && self.is_whole_by_packets()? {
-                        self.go_on(Pictures::start(&self.video, self.wanted, ALL_PACKETS)?)?;
+                        self.go_on(Decoder::start(&self.video, self.wanted, ALL_PACKETS)?)?;
                         (self.part, self.is_checked) = (ALL_PACKETS, true);
                     } else {
                         self.doubt_after(decoded, words)?;
@@ -143,29 +143,29 @@ impl Reading {
         if self.doubt.as_ref().is_none_or(|doubt| self.taken >= doubt.whole) {
             return Ok(None);
         }
-        let picture = self.pictures.next()?;
-        self.taken += usize::from(picture.is_some());
-        Ok(picture)
+        let image = self.decoder.next()?;
+        self.taken += usize::from(image.is_some());
+        Ok(image)
     }
 
-    /// Searches the last whole picture, and goes on up to it. Before a doubt, `decoded` pictures were decoded.
+    /// Searches the last whole image, and goes on up to it. Before a doubt, `decoded` images were decoded.
     fn doubt_after(&mut self, decoded: usize, words: String) -> Result<()> {
         let is_file = self.video.input.file.is_file();
         let found = if is_file { search::whole(&self.video, decoded)? } else { Whole::unknown(decoded) };
-        let whole = found.pictures.saturating_sub(MARGIN);
+        let whole = found.images.saturating_sub(MARGIN);
         let advised = whole.saturating_sub(found.spread);
         self.doubt = Some(Doubt { whole, advised, words });
         if self.taken < whole {
-            self.go_on(Pictures::lenient(&self.video, self.wanted, self.part)?)?;
+            self.go_on(Decoder::lenient(&self.video, self.wanted, self.part)?)?;
         }
         Ok(())
     }
 
-    /// Goes on with the next picture, decoded in another way.
-    fn go_on(&mut self, pictures: Pictures) -> Result<()> {
-        self.pictures = pictures;
+    /// Goes on with the next image, decoded in another way.
+    fn go_on(&mut self, decoder: Decoder) -> Result<()> {
+        self.decoder = decoder;
         for _ in 0..self.taken {
-            self.pictures.next()?;
+            self.decoder.next()?;
         }
         Ok(())
     }
@@ -180,27 +180,27 @@ impl Reading {
         damaged(reason + none, Some(whole))
     }
 
-    /// True if another ffmpeg decodes copies of all packets without a doubt, into the same first picture.
+    /// True if another ffmpeg decodes copies of all packets without a doubt, into the same first image.
     fn is_whole_by_packets(&mut self) -> Result<bool> {
         let Input { file, end, .. } = &self.video.input;
         if !file.is_file() || end.is_some() || !List::of(&self.video)?.is_plain() {
             return Ok(false);
         }
-        let hash = self.hash.or_else(|| self.pictures.first_held());
-        let mut pictures = Pictures::start(&self.video, self.wanted, ALL_PACKETS)?;
-        let first = pictures.next()?;
+        let hash = self.hash.or_else(|| self.decoder.first_held());
+        let mut decoder = Decoder::start(&self.video, self.wanted, ALL_PACKETS)?;
+        let first = decoder.next()?;
         if hash.is_some() && first.map(|first| first.hash()) != hash {
             return Ok(false);
         }
-        while pictures.next()?.is_some() {}
-        Ok(pictures.end() == Some(&End::Whole) && pictures.decoded() >= self.taken)
+        while decoder.next()?.is_some() {}
+        Ok(decoder.end() == Some(&End::Whole) && decoder.decoded() >= self.taken)
     }
 }
 
 impl Iterator for Reading {
-    type Item = Result<Picture>;
+    type Item = Result<Image>;
 
-    fn next(&mut self) -> Option<Result<Picture>> {
+    fn next(&mut self) -> Option<Result<Image>> {
         if let Some(first) = self.first.take() {
             return Some(Ok(first));
         }
@@ -209,7 +209,7 @@ impl Iterator for Reading {
         }
         let number = self.taken + 1;
         let next = match self.next_whole() {
-            Ok(Some(picture)) => return Some(Ok(picture)),
+            Ok(Some(image)) => return Some(Ok(image)),
             Ok(None) => self.doubt.take().map(|doubt| self.damage(doubt.advised, &doubt.words)),
             Err(error) => Some(error.context(format!("{}, frame {number}", self.video.input.name))),
         };
@@ -243,7 +243,7 @@ mod tests {
         let script = format!("#!/bin/sh\ncase \"$*\" in *framecrc*) printf '{facts}' >&2;; *) {decoder};; esac\n");
         std::fs::write(&file, script).unwrap();
         std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o755)).unwrap();
-        std::fs::write(folder.join("ffmpeg.nut"), crate::ffmpeg::nut::tests::pictures(5)).unwrap();
+        std::fs::write(folder.join("ffmpeg.nut"), crate::ffmpeg::nut::tests::images(5)).unwrap();
         file.to_str().unwrap().to_owned()
     }
 
@@ -260,9 +260,9 @@ mod tests {
         let never = program(folder.path(), "exec sleep 60");
         let error = format!("{:#}", open(&never, &file, Use::Gray, short).err().unwrap());
         assert_eq!(error, format!("cannot read {} through ffmpeg: {silent}", file.display()));
-        let pictures = "for n in 0 1 2 3 4; do echo \"frame:$n pts:$n pts_time:$n\" >&2; done; cat \"$0.nut\"";
+        let images = "for n in 0 1 2 3 4; do echo \"frame:$n pts:$n pts_time:$n\" >&2; done; cat \"$0.nut\"";
         for then in ["", "exec >&-;"] {
-            let stops = program(folder.path(), &format!("{pictures}; {then} exec sleep 60"));
+            let stops = program(folder.path(), &format!("{images}; {then} exec sleep 60"));
             let mut frames = open(&stops, &file, Use::Gray, short).unwrap();
             assert!(frames.next().unwrap().is_ok());
             let error = format!("{:#}", frames.next().unwrap().err().unwrap());
@@ -271,7 +271,7 @@ mod tests {
         assert!(begin.elapsed() < Duration::from_secs(30));
     }
 
-    /// The test picture, at half of the signal range, shows 92 cd/m2 in PQ (ITU-R BT.2100), and 51 cd/m2 in HLG.
+    /// The test image, at half of the signal range, shows 92 cd/m2 in PQ (ITU-R BT.2100), and 51 cd/m2 in HLG.
     #[test]
     fn light_of_more_than_a_screen_has_is_mapped_to_what_it_has() {
         let test = "light_of_more_than_a_screen_has_is_mapped_to_what_it_has";

@@ -1,11 +1,11 @@
-//! Searches the last whole picture of a damaged recording.
+//! Searches the last whole image of a damaged recording.
 //!
-//! A decoder that fails ends some pictures early or late, differently in each run and each version of ffmpeg. So the
+//! A decoder that fails ends some images early or late, differently in each run and each version of ffmpeg. So the
 //! search decodes copies of the first packets alone, and looks for the largest number that decodes without a doubt.
 
+use super::decoder::{Decoder, End, FROM_ZERO, MAX_TIME_JUMP, Part, Use};
 use super::facts::Video;
 use super::packets::{CORRUPT, DISCARDED, KEY, Packet, Packets};
-use super::pictures::{End, FROM_ZERO, MAX_TIME_JUMP, Part, Pictures, Use};
 use anyhow::Result;
 
 /// Number of packets by which the search first goes on behind those that certainly decode. ffmpeg's threads are fewer
@@ -44,7 +44,7 @@ impl List {
         Ok(Self { packets, corrupt, complaint })
     }
 
-    /// True if copies of the packets show the pictures that the file shows, and nothing is doubtful about them.
+    /// True if copies of the packets show the images that the file shows, and nothing is doubtful about them.
     pub fn is_plain(&self) -> bool {
         let is_cut = |packet: &Packet| packet.flags & DISCARDED != 0;
         self.doubt().is_none() && !self.packets.iter().any(is_cut)
@@ -61,45 +61,45 @@ impl List {
     }
 }
 
-/// Number of whole pictures of a damaged recording.
+/// Number of whole images of a damaged recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Whole {
-    pub pictures: usize,
-    /// Number of pictures by which another run may find fewer.
+    pub images: usize,
+    /// Number of images by which another run may find fewer.
     pub spread: usize,
 }
 
 impl Whole {
-    /// Number of whole pictures where nothing tells the damaged packet: `decoded` in one run. ffmpeg's threads are up to
+    /// Number of whole images where nothing tells the damaged packet: `decoded` in one run. ffmpeg's threads are up to
     /// two queues of eight packets apart when it ends at an error.
     pub const fn unknown(decoded: usize) -> Self {
-        Self { pictures: decoded, spread: STEP }
+        Self { images: decoded, spread: STEP }
     }
 }
 
-/// Searches the pictures that decode without a doubt. In the run that has failed, `decoded` did.
+/// Searches the images that decode without a doubt. In the run that has failed, `decoded` did.
 pub(super) fn whole(video: &Video, decoded: usize) -> Result<Whole> {
     let list = List::of(video)?;
     let complaint = list.complaint.filter(|_| !list.ends_too_early());
     let end = list.corrupt.into_iter().chain(complaint).min().unwrap_or(list.packets.len());
-    let (packets, pictures) = most_packets(video, decoded.min(end), end)?;
-    let pictures = pictures.min(in_order(&list.packets, packets));
+    let (packets, images) = most_packets(video, decoded.min(end), end)?;
+    let images = images.min(in_order(&list.packets, packets));
     Ok(if complaint.is_some_and(|complaint| complaint == packets) {
         // ffmpeg may complain some packets early.
-        Whole::unknown(pictures)
+        Whole::unknown(images)
     } else if packets < list.packets.len() {
-        Whole { pictures, spread: 1 }
+        Whole { images, spread: 1 }
     } else if list.ends_too_early() || video.input.end.is_some() {
         // The last packets before the end of a cut file come through or not.
-        Whole { pictures, spread: 4 }
+        Whole { images, spread: 4 }
     } else {
-        Whole::unknown(pictures.min(decoded))
+        Whole::unknown(images.min(decoded))
     })
 }
 
-/// Returns the largest number of packets, at most `end`, that decode without a doubt, and their number of pictures.
+/// Returns the largest number of packets, at most `end`, that decode without a doubt, and their number of images.
 fn most_packets(video: &Video, guess: usize, end: usize) -> Result<(usize, usize)> {
-    let (mut good, mut pictures, mut bad) = (0, 0, end + 1);
+    let (mut good, mut images, mut bad) = (0, 0, end + 1);
     let (mut next, mut step) = (guess, STEP);
     while good + 1 < bad {
         if next <= good || next >= bad {
@@ -107,14 +107,14 @@ fn most_packets(video: &Video, guess: usize, end: usize) -> Result<(usize, usize
         }
         match decoded(video, next)? {
             Some(count) => {
-                (good, pictures) = (next, count);
+                (good, images) = (next, count);
                 next = (good + step).min(end);
                 step *= 2;
             }
             None => bad = next,
         }
     }
-    Ok((good, pictures))
+    Ok((good, images))
 }
 
 /// Returns the number of packets before the first one that the container marks as damaged, except at a join.
@@ -131,14 +131,14 @@ fn corrupt(packets: &[Packet], base: Option<(u32, u32)>) -> Option<usize> {
     (0..packets.len()).find(is_marked)
 }
 
-/// Decodes the first packets alone. Returns the number of pictures, or `None` if a doubt arises.
+/// Decodes the first packets alone. Returns the number of images, or `None` if a doubt arises.
 fn decoded(video: &Video, packets: usize) -> Result<Option<usize>> {
     if packets == 0 {
         return Ok(Some(0));
     }
-    let mut pictures = Pictures::start(video, Use::Times, Part::Packets(packets))?;
-    while pictures.next()?.is_some() {}
-    Ok((pictures.end() == Some(&End::Whole)).then(|| pictures.decoded()))
+    let mut decoder = Decoder::start(video, Use::Times, Part::Packets(packets))?;
+    while decoder.next()?.is_some() {}
+    Ok((decoder.end() == Some(&End::Whole)).then(|| decoder.decoded()))
 }
 
 /// Returns how many of the first packets are shown before every later packet.
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_that_is_shown_after_a_missing_one_does_not_count() {
+    fn an_image_that_is_shown_after_a_missing_one_does_not_count() {
         let packet = |shown| Packet { stream: 0, sent: None, shown: Some(shown), size: 1, flags: 0 };
         let packets = [0, 3, 1, 2, 6, 4, 5].map(packet);
         let counts: Vec<usize> = (0..=7).map(|first| in_order(&packets, first)).collect();

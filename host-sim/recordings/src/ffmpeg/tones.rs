@@ -11,7 +11,7 @@ pub(super) enum Transfer {
     Hlg,
 }
 
-/// Returns the transfer function of a video stream's first picture; `None` without HDR. ffmpeg states it as a number in
+/// Returns the transfer function of a video stream's first image; `None` without HDR. ffmpeg states it as a number in
 /// the head of a Matroska file.
 pub(super) fn transfer(input: &Input, stream: usize) -> Result<Option<Transfer>> {
     let mut command = input.command(&[]);
@@ -27,7 +27,7 @@ pub(super) fn transfer(input: &Input, stream: usize) -> Result<Option<Transfer>>
     })
 }
 
-/// Largest Matroska file with a picture of four pixels, in bytes.
+/// Largest Matroska file with an image of four pixels, in bytes.
 const MAX_HEAD: u64 = 1 << 20;
 
 /// Path of Matroska elements: Segment, Tracks, TrackEntry, Video, Colour, TransferCharacteristics.

@@ -1,7 +1,7 @@
-//! Recordings of pictures (PNG, JPEG, PGM, PPM, PAM): one picture in each file of a folder, or several in one file.
+//! Recordings of images (PNG, JPEG, PGM, PPM, PAM): one image in each file of a folder, or several in one file.
 //!
 //! A 16-bit value becomes its high byte, unless [`Levels`] map it. Alpha is ignored. Colour becomes gray by BT.601 in
-//! integers: `(19595 R + 38470 G + 7471 B + 32768) >> 16`. Exif orientation turns pictures upright.
+//! integers: `(19595 R + 38470 G + 7471 B + 32768) >> 16`. Exif orientation turns images upright.
 
 use super::{jpeg, pnm};
 use crate::damage::damaged;
@@ -22,13 +22,13 @@ const KIND: Kind = Kind { expected: "a PNG, JPEG, PGM, PPM or PAM picture", most
 
 const EXTENSIONS: [&str; 9] = ["png", "jpg", "jpeg", "jpe", "jfif", "pgm", "ppm", "pnm", "pam"];
 
-/// Extensions of unsupported picture formats. A single GIF is read as a video.
+/// Extensions of unsupported image formats. A single GIF is read as a video.
 const FOREIGN: [&str; 28] = [
     "bmp", "dib", "tif", "tiff", "webp", "gif", "heic", "heif", "avif", "jp2", "j2k", "jxl", "jls", "mpo", "pbm",
     "pfm", "tga", "exr", "hdr", "psd", "dng", "cr2", "cr3", "nef", "arw", "orf", "rw2", "raf",
 ];
 
-pub(crate) fn is_picture(file: &Path) -> bool {
+pub(crate) fn is_image(file: &Path) -> bool {
     has_extension(file, &EXTENSIONS)
 }
 
@@ -36,36 +36,36 @@ pub(crate) fn is_foreign(file: &Path) -> bool {
     has_extension(file, &FOREIGN)
 }
 
-/// Returns the format of a picture by its extension. The pictures of a recording have one format.
+/// Returns the format of an image by its extension. The images of a recording have one format.
 pub(crate) fn kind(file: &Path) -> Option<String> {
     let extension = file.extension()?.to_string_lossy().to_ascii_lowercase();
     let is_jpeg = has_extension(file, &["jpg", "jpeg", "jpe", "jfif"]);
-    let is_known = is_jpeg || is_picture(file) || is_foreign(file);
+    let is_known = is_jpeg || is_image(file) || is_foreign(file);
     is_known.then(|| if is_jpeg { "jpg".to_owned() } else { extension })
 }
 
-/// Returns an error if the extension is that of an unsupported picture format.
+/// Returns an error if the extension is that of an unsupported image format.
 pub(crate) fn check_kind(file: &Path) -> Result<()> {
     ensure!(!is_foreign(file), "{}: this kind of picture is not supported: {CONVERT}", file.display());
     Ok(())
 }
 
-/// A picture file, or a range of bytes in a file of several pictures.
+/// An image file, or a range of bytes in a file of several images.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
+pub struct ImageFile {
     file: PathBuf,
     part: Option<Range<u64>>,
     pub(crate) levels: Option<Levels>,
 }
 
-impl From<PathBuf> for Picture {
+impl From<PathBuf> for ImageFile {
     fn from(file: PathBuf) -> Self {
         Self { file, part: None, levels: None }
     }
 }
 
-impl Picture {
-    /// Returns all pictures in a file. An unreadable file counts as one picture; reading its pixels reports the error.
+impl ImageFile {
+    /// Returns all images in a file. An unreadable file counts as one image; reading its pixels reports the error.
     pub(crate) fn all_in(file: &Path) -> Vec<Self> {
         let whole = Self::from(file.to_owned());
         let Some(bytes) = whole.is_file().then(|| whole.bytes().ok()).flatten() else { return vec![whole] };
@@ -86,7 +86,7 @@ impl Picture {
         self.file.is_file()
     }
 
-    /// Returns the name of the file; `None` if the file has several pictures.
+    /// Returns the name of the file; `None` if the file has several images.
     pub fn name(&self) -> Option<String> {
         let name = self.file.file_name().filter(|_| self.part.is_none())?;
         Some(name.to_string_lossy().into_owned())
@@ -110,17 +110,17 @@ impl Picture {
     }
 }
 
-/// Returns the frames from number `first` on; `pictures` are all pictures of the recording.
-pub(crate) fn frames(pictures: &[Picture], first: usize) -> impl Iterator<Item = Result<Frame>> + Send + use<> {
-    let rest = pictures.get(first - 1..).unwrap_or_default().to_owned();
-    (first..).zip(rest).map(|(number, picture)| {
-        let gray = picture.samples().and_then(|samples| samples.gray(picture.levels));
-        let gray = gray.with_context(|| format!("cannot read {} (frame {number})", picture.file.display()));
+/// Returns the frames from number `first` on; `images` are all images of the recording.
+pub(crate) fn frames(images: &[ImageFile], first: usize) -> impl Iterator<Item = Result<Frame>> + Send + use<> {
+    let rest = images.get(first - 1..).unwrap_or_default().to_owned();
+    (first..).zip(rest).map(|(number, image)| {
+        let gray = image.samples().and_then(|samples| samples.gray(image.levels));
+        let gray = gray.with_context(|| format!("cannot read {} (frame {number})", image.file.display()));
         Ok(Frame::new(number, None, gray?))
     })
 }
 
-pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
+pub fn decode_image(bytes: &[u8]) -> Result<GrayFrame> {
     samples(bytes)?.gray(None)
 }
 
@@ -135,12 +135,12 @@ const MIN_LEVELS: usize = 64;
 /// Count of pixels of which one may be dead; so 1 / `PIXELS_PER_DEAD` of the values is ignored at each histogram end.
 const PIXELS_PER_DEAD: u64 = 10_000;
 
-/// Returns a note if 16-bit pictures use few levels, judged by the first, middle and last of `pictures`.
-pub(crate) fn levels_note(pictures: &[Picture]) -> Option<String> {
+/// Returns a note if 16-bit images use few levels, judged by the first, middle and last of `images`.
+pub(crate) fn levels_note(images: &[ImageFile]) -> Option<String> {
     let mut counts = vec![0_u64; 1 << 16];
     let mut all = 0;
-    for at in [0, pictures.len() / 2, pictures.len().saturating_sub(1)] {
-        let samples = pictures.get(at).filter(|picture| picture.is_file())?.samples().ok()?;
+    for at in [0, images.len() / 2, images.len().saturating_sub(1)] {
+        let samples = images.get(at).filter(|image| image.is_file())?.samples().ok()?;
         for value in samples.values()? {
             counts[usize::from(value)] += 1;
             all += 1;
@@ -153,7 +153,7 @@ pub(crate) fn levels_note(pictures: &[Picture]) -> Option<String> {
     });
     let first = used.next()?;
     let last = used.last().unwrap_or(first);
-    let levels = pictures.first()?.levels;
+    let levels = images.first()?.levels;
     let [low, high] = [first, last].map(|value| levels.map_or(value.to_be_bytes()[0], |levels| levels.of(value)));
     if usize::from(high - low) >= MIN_LEVELS {
         return None;
@@ -181,7 +181,7 @@ fn samples(bytes: &[u8]) -> Result<Samples> {
     }
 }
 
-/// Returns the byte offset of the second picture in a file; `None` without one, or if the first is damaged.
+/// Returns the byte offset of the second image in a file; `None` without one, or if the first is damaged.
 fn next(bytes: &[u8]) -> Option<usize> {
     match bytes {
         [0x89, ..] => Chunks::of(bytes).next(bytes),
@@ -191,14 +191,14 @@ fn next(bytes: &[u8]) -> Option<usize> {
     }
 }
 
-/// Returns the name of an unsupported picture format, recognised by its first bytes.
+/// Returns the name of an unsupported image format, recognised by its first bytes.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
     let is =
         |at: usize, magic: &[&[u8]]| bytes.get(at..).is_some_and(|rest| magic.iter().any(|one| rest.starts_with(one)));
     FOREIGN_MAGIC.iter().find(|(at, magic, _)| is(*at, magic)).map(|(_, _, kind)| *kind)
 }
 
-/// Unsupported picture formats: byte offset of the magic bytes in the file, alternative magic bytes, and format name.
+/// Unsupported image formats: byte offset of the magic bytes in the file, alternative magic bytes, and format name.
 const FOREIGN_MAGIC: [(usize, &[&[u8]], &str); 10] = [
     (0, &[b"BM"], "a BMP picture"),
     (0, &[b"II*\0", b"MM\0*"], "a TIFF picture"),
@@ -214,7 +214,7 @@ const FOREIGN_MAGIC: [(usize, &[&[u8]], &str); 10] = [
 
 struct Chunks {
     orientation: u8,
-    /// Number of pictures in an animated PNG; 1 if it is not animated.
+    /// Number of images in an animated PNG; 1 if it is not animated.
     count: u32,
     is_of_apple: bool,
     /// Byte offset behind the last chunk, IEND; `None` if it is missing.

@@ -1,4 +1,4 @@
-//! Decodes JPEG pictures with zune-jpeg, up to the end marker; a video clip or a preview may follow the marker.
+//! Decodes JPEG images with zune-jpeg, up to the end marker; a video clip or a preview may follow the marker.
 
 use crate::damage::damaged;
 use crate::formats::to_gray::{EXIF, EXPECTED, Samples, check_size, orientation, several, unread};
@@ -9,7 +9,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 pub(crate) const MAGIC: &[u8] = &[0xFF, 0xD8, 0xFF];
 
-/// Segment that makes the decoder use the Huffman tables of ITU-T T.81, annex K.3, for a picture without tables.
+/// Segment that makes the decoder use the Huffman tables of ITU-T T.81, annex K.3, for an image without tables.
 /// Webcams send no tables, because readers of their streams know them.
 const STANDARD_TABLES: &[u8] = b"\xFF\xE0\0\x07AVI1\0";
 
@@ -26,7 +26,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Samples> {
     Ok(Samples { orientation: layout.orientation, ..samples })
 }
 
-/// Returns the byte offset of the second picture in a file, as in a stream of JPEGs.
+/// Returns the byte offset of the second image in a file, as in a stream of JPEGs.
 pub(crate) fn next(bytes: &[u8]) -> Option<usize> {
     Layout::of(bytes).next(bytes)
 }
@@ -35,7 +35,7 @@ struct Layout {
     orientation: u8,
     frame: Option<Frame>,
     scanned: u8,
-    /// True if the file also holds other views or sizes of the same picture (MPF).
+    /// True if the file also holds other views or sizes of the same image (MPF).
     has_views: bool,
     /// Byte offset behind the end marker; `None` if the marker is missing.
     end: Option<usize>,
@@ -66,7 +66,7 @@ impl Layout {
             at += 1;
             match marker {
                 0 | 1 | 0xD0..=0xD7 => continue,
-                // A start marker: another picture begins although this one has not ended.
+                // A start marker: another image begins although this one has not ended.
                 0xD8 => return None,
                 0xD9 => return Some(at),
                 _ => {}
@@ -92,8 +92,8 @@ impl Layout {
         }
     }
 
-    /// Returns the byte offset of a second picture directly behind the first. A picture with another frame header is
-    /// taken for a preview and does not count, nor does any picture in a file of several views (MPF).
+    /// Returns the byte offset of a second image directly behind the first. An image with another frame header is
+    /// taken for a preview and does not count, nor does any image in a file of several views (MPF).
     fn next(&self, bytes: &[u8]) -> Option<usize> {
         let rest = &bytes[self.end.filter(|_| !self.has_views)?..];
         let is_next = rest.starts_with(MAGIC) && Self::of(rest).frame == self.frame;

@@ -1,4 +1,4 @@
-//! Formats that host-sim reads itself: pictures, Y4M and raw dumps, each frame of them as gray levels.
+//! Formats that host-sim reads itself: images, Y4M and raw dumps, each frame of them as gray levels.
 
 pub(crate) mod images;
 mod jpeg;

@@ -1,4 +1,4 @@
-//! Sorts pictures by their names: numbers compare by value, also decimal ones such as time stamps.
+//! Sorts images by their names: numbers compare by value, also decimal ones such as time stamps.
 
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -66,7 +66,7 @@ impl Decimal {
     }
 }
 
-/// Finds two pictures with one number, such as `7.png` and `7_mask.png`, which cannot both be frames of a recording.
+/// Finds two images with one number, such as `7.png` and `7_mask.png`, which cannot both be frames of a recording.
 pub(crate) fn twins(files: &[PathBuf]) -> Option<[&Path; 2]> {
     let mut of_numbers = HashMap::new();
     files.iter().find_map(|file| {
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn two_pictures_of_one_number() {
+    fn two_images_of_one_number() {
         let has = |names: &[&str]| twins(&names.iter().map(PathBuf::from).collect::<Vec<_>>()).is_some();
         assert!(has(&["1.png", "2.png", "2_mask.png"]) && has(&["left_007.png", "right_07.png"]));
         for names in [

@@ -1,4 +1,4 @@
-//! Decodes PGM, PPM and PAM pictures: P2, P3, P5, P6 and P7 with 8 or 16 bits per value.
+//! Decodes PGM, PPM and PAM images: P2, P3, P5, P6 and P7 with 8 or 16 bits per value.
 
 use crate::damage::damaged;
 use crate::formats::to_gray::{EXPECTED, Samples, check_size, several};
@@ -6,19 +6,19 @@ use anyhow::{Error, Result, ensure};
 
 pub(crate) fn decode(bytes: &[u8]) -> Result<Samples> {
     let mut reader = Reader(bytes);
-    let samples = reader.picture()?;
+    let samples = reader.image()?;
     ensure!(reader.next(bytes).is_none(), several());
     Ok(samples)
 }
 
-/// Returns the byte offset of the second picture in a file; `None` without one.
+/// Returns the byte offset of the second image in a file; `None` without one.
 pub(crate) fn next(bytes: &[u8]) -> Option<usize> {
     let mut reader = Reader(bytes);
-    reader.picture().ok()?;
+    reader.image().ok()?;
     reader.next(bytes)
 }
 
-/// True if the bytes begin as a PGM, PPM or PAM picture, or as a PBM bitmap, which is not supported.
+/// True if the bytes begin as a PGM, PPM or PAM image, or as a PBM bitmap, which is not supported.
 pub(crate) fn is_pnm(bytes: &[u8]) -> bool {
     matches!(bytes, [b'P', b'1'..=b'7', space, ..] if space.is_ascii_whitespace() || *space == b'#')
 }
@@ -40,7 +40,7 @@ impl Reader<'_> {
         is_pnm(rest).then_some(bytes.len() - rest.len())
     }
 
-    fn picture(&mut self) -> Result<Samples> {
+    fn image(&mut self) -> Result<Samples> {
         let Header { is_text, width, height, channels, largest } = self.header()?;
         // Values with another maximum would have to be scaled: unscaled, those of 10 bits would be almost black.
         ensure!(matches!(largest, 255 | 65535), "its largest value is {largest}: expected 255 or 65535");
@@ -82,7 +82,7 @@ impl Reader<'_> {
         Ok(Header { is_text, width, height, channels, largest })
     }
 
-    /// Reads the header of a P7 picture: a field name and its value on each line.
+    /// Reads the header of a P7 image: a field name and its value on each line.
     fn pam(&mut self) -> Result<Header> {
         let mut header = Header { is_text: false, width: 0, height: 0, channels: 0, largest: 0 };
         loop {

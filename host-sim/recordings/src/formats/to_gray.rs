@@ -1,4 +1,4 @@
-//! Converts decoded samples to an upright frame in gray or color, and creates errors about pictures.
+//! Converts decoded samples to an upright frame in gray or color, and creates errors about images.
 
 use crate::raster::{ColorFrame, GrayFrame, MAX_PIXELS, Raster};
 use anyhow::{Context, Error, Result, anyhow, ensure};
@@ -14,7 +14,7 @@ pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
     Ok(())
 }
 
-/// Returns the error for a picture of an unsupported kind. It does not call the picture damaged.
+/// Returns the error for an image of an unsupported kind. It does not call the image damaged.
 pub(crate) fn unread(kind: &str) -> Error {
     anyhow!("it is {kind}, which is not supported: {CONVERT}")
 }
@@ -59,7 +59,7 @@ impl fmt::Display for Levels {
     }
 }
 
-/// A decoded picture: gray or RGB, each with or without alpha.
+/// A decoded image: gray or RGB, each with or without alpha.
 pub(crate) struct Samples {
     pub width: u16,
     pub height: u16,
@@ -121,7 +121,7 @@ impl Samples {
 }
 
 impl<P: Copy> Raster<P> {
-    /// Turns a picture upright by its Exif orientation. Orientations from 5 on also swap rows and columns.
+    /// Turns an image upright by its Exif orientation. Orientations from 5 on also swap rows and columns.
     fn turned(self, orientation: u8) -> Self {
         if orientation == 1 {
             return self;

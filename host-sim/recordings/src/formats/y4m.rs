@@ -1,4 +1,4 @@
-//! YUV4MPEG2 (`.y4m`) as a recording or a live source: the luma plane is the gray picture, byte for byte.
+//! YUV4MPEG2 (`.y4m`) as a recording or a live source: the luma plane is the gray image, byte for byte.
 
 use crate::damage::damaged;
 use crate::formats::names::has_extension;
@@ -179,7 +179,7 @@ mod tests {
     use crate::fixtures::reads;
 
     #[test]
-    fn luma_is_the_picture_and_damage_is_named() {
+    fn luma_is_the_image_and_damage_is_named() {
         let frames =
             b"FRAME\n\x01\x02\x03\x04\x05\x06\x80\x80\x80\x80FRAME Ip\n\x07\x08\x09\x0A\x0B\x0C\x80\x80\x80\x80";
         for colour in [" C420jpeg", " C420", ""] {

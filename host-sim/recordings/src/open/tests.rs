@@ -4,7 +4,7 @@ use crate::find::recordings;
 use crate::fixtures::{fits, folder, levels, message, open_plain, read, reads};
 
 #[test]
-fn folders_of_pictures_in_every_layout() {
+fn folders_of_images_in_every_layout() {
     let vot = "groundtruth.txt=2,3,8,3,8,9,2,9|3,4,5,6|nan,nan,nan,nan sequence=channels.color=color/%08d.jpg";
     let vot = format!("color/00000001.png color/00000002.png color/00000003.png {vot}");
     let got = "00000001.png 00000002.png groundtruth.txt=2.0000,3.0000,6.0000,6.0000|2,3,6,6 absence.label=0|1";

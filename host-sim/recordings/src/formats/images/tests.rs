@@ -50,10 +50,10 @@ fn every_kind_becomes_gray() {
             format!("P3 1 1 255\n{r} {g} {b}\n").into_bytes(),
             [&pam[..], &color, &[9]].concat(),
         ] {
-            assert_eq!(decode_picture(&bytes).unwrap().pixels, [gray], "{color:?}");
+            assert_eq!(decode_image(&bytes).unwrap().pixels, [gray], "{color:?}");
         }
         let jpeg = jpeg_of(95, 8, jpeg_encoder::ColorType::Rgb, &color.repeat(64));
-        let found = decode_picture(&jpeg).unwrap().pixels;
+        let found = decode_image(&jpeg).unwrap().pixels;
         assert!(found.iter().all(|pixel| pixel.abs_diff(gray) <= 2), "{found:?}");
     }
     for (bytes, gray) in [
@@ -66,12 +66,12 @@ fn every_kind_becomes_gray() {
         (b"P5 1 1 65535\n\x81\xFF".to_vec(), 0x81),
         (b"P2 1 1 65535\n33279\n".to_vec(), 0x81),
     ] {
-        assert_eq!(decode_picture(&bytes).unwrap().pixels, [gray], "{bytes:?}");
+        assert_eq!(decode_image(&bytes).unwrap().pixels, [gray], "{bytes:?}");
     }
     let ramp: Vec<u8> = (0..=255).collect();
     let pgm = [b"P5\n# a comment\n16 16\n255\n", &ramp[..]].concat();
     for bytes in [png((16, 16), ColorType::Grayscale, BitDepth::Eight, &ramp), pgm] {
-        assert_eq!(decode_picture(&bytes).unwrap().pixels, ramp);
+        assert_eq!(decode_image(&bytes).unwrap().pixels, ramp);
     }
 }
 
@@ -88,7 +88,7 @@ fn what_is_damaged_or_not_read_is_named() {
         [b"\x89PNG\r\n\x1a\n", &length[..], kind, data, &[0; 4]].concat()
     };
     let refused = |bytes: &[u8], expected: &str, is_damage: bool| {
-        let error = decode_picture(bytes).unwrap_err();
+        let error = decode_image(bytes).unwrap_err();
         fits(&error.to_string(), expected, &format!("{:?}", &bytes[..bytes.len().min(40)]));
         assert_eq!(error.is::<Damaged>(), is_damage, "{error}");
     };
@@ -115,7 +115,7 @@ fn what_is_damaged_or_not_read_is_named() {
     ] {
         refused(&bytes, expected, false);
     }
-    assert!(decode_picture(&jpeg_as(0xC1, 8, 96)).is_ok(), "extended, but as baseline");
+    assert!(decode_image(&jpeg_as(0xC1, 8, 96)).is_ok(), "extended, but as baseline");
     let (whole, cut) = (jpeg(), "expected a PNG, JPEG, PGM, PPM or PAM picture: it is cut short");
     for length in [700, whole.len() / 2, whole.len() - 40, whole.len() - 2, whole.len() - 1] {
         refused(&whole[..length], "expected a PNG, JPEG, PGM, PPM or PAM picture: ...", true);
@@ -135,7 +135,7 @@ fn what_is_damaged_or_not_read_is_named() {
 
 #[cfg(unix)]
 #[test]
-fn a_picture_may_come_through_a_pipe() {
+fn an_image_may_come_through_a_pipe() {
     let folder = folder("");
     let pipe = folder.path().join("1.pgm");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -145,9 +145,9 @@ fn a_picture_may_come_through_a_pipe() {
     written.join().unwrap().unwrap();
 }
 
-/// Stores an upright picture of 3x2 pixels in each Exif orientation, and expects it upright after decoding.
+/// Stores an upright image of 3x2 pixels in each Exif orientation, and expects it upright after decoding.
 #[test]
-fn pictures_are_turned_as_their_exif_data_say() {
+fn images_are_turned_as_their_exif_data_say() {
     let upright = [1, 2, 3, 4, 5, 6];
     for (orientation, (width, height), stored) in [
         (1, (3, 2), upright),
@@ -164,28 +164,28 @@ fn pictures_are_turned_as_their_exif_data_say() {
         info.exif_metadata = Some(to_gray::tests::exif(true, orientation).into());
         let encoder = png::Encoder::with_info(&mut bytes, info).unwrap();
         encoder.write_header().unwrap().write_image_data(&stored).unwrap();
-        let gray = decode_picture(&bytes).unwrap();
+        let gray = decode_image(&bytes).unwrap();
         assert_eq!((gray.width, gray.height, &gray.pixels[..]), (3, 2, &upright[..]), "{orientation}");
         assert_eq!(decode_colors(&bytes).unwrap().pixels, upright.map(|value| [value; 3]));
     }
-    let plain = decode_picture(&jpeg()).unwrap();
-    let turned = decode_picture(&jpeg_with(0xE1, &[to_gray::EXIF, &to_gray::tests::exif(false, 6)].concat())).unwrap();
+    let plain = decode_image(&jpeg()).unwrap();
+    let turned = decode_image(&jpeg_with(0xE1, &[to_gray::EXIF, &to_gray::tests::exif(false, 6)].concat())).unwrap();
     assert!((0..96).all(|at| turned.level(95 - at, 7) == plain.level(7, at)), "from the left to the top");
 }
 
 #[test]
 fn bytes_behind_the_end_of_a_jpeg_do_not_matter() {
-    let (whole, expected) = (jpeg(), decode_picture(&jpeg()).unwrap());
+    let (whole, expected) = (jpeg(), decode_image(&jpeg()).unwrap());
     let views = [&jpeg_with(0xE2, b"MPF\0II*\0")[..], &whole, &whole].concat();
-    assert_eq!(decode_picture(&views).unwrap(), expected);
+    assert_eq!(decode_image(&views).unwrap(), expected);
     for behind in [&b"\xFF\xDA\xFF\xD9\xFF\xDA film"[..], b"\0\0\0\x18ftypmp42\xFF\xD8\xFF\xDA", b"a trailer"] {
-        assert_eq!(decode_picture(&[&whole, behind].concat()).unwrap(), expected);
-        let damage = message(decode_picture(&[&whole[..whole.len() - 40], behind].concat()));
+        assert_eq!(decode_image(&[&whole, behind].concat()).unwrap(), expected);
+        let damage = message(decode_image(&[&whole[..whole.len() - 40], behind].concat()));
         assert!(damage.contains("it is damaged") || damage.contains("its end is missing"), "{damage}");
     }
 }
 
-/// Pictures of webcams, and frames cut out of AVI, lack some or all Huffman tables.
+/// Images of webcams, and frames cut out of AVI, lack some or all Huffman tables.
 #[test]
 fn huffman_tables_that_are_missing_are_the_standard_ones() {
     let whole = jpeg();
@@ -200,19 +200,19 @@ fn huffman_tables_that_are_missing_are_the_standard_ones() {
         }
         assert!(bytes.len() < at, "a table is left out");
         bytes.extend(&whole[at..]);
-        assert_eq!(decode_picture(&bytes).unwrap(), decode_picture(&whole).unwrap(), "{kept:?}");
+        assert_eq!(decode_image(&bytes).unwrap(), decode_image(&whole).unwrap(), "{kept:?}");
     }
 }
 
 #[test]
-fn several_pictures_in_one_file_are_a_recording() {
+fn several_images_in_one_file_are_a_recording() {
     let folder = folder("");
     let png = |value: u8| png((2, 1), ColorType::Grayscale, BitDepth::Eight, &[value; 2]);
     let small = |value: u8| jpeg_of(100, 8, jpeg_encoder::ColorType::Luma, &[value; 64]);
     let pnm = |header: &str, value: u8| [header.as_bytes(), &[value; 2], b"\n"].concat();
     let text = |value: u8| format!("P2 2 1 255 {value} {value}\n").into_bytes();
     let wide = |value: u8| [b"P5 2 1 65535\n", &[value, 99, value, 99][..]].concat();
-    for (name, pictures) in [
+    for (name, images) in [
         ("a.png", [7, 8, 9].map(png)),
         ("a.jpg", [7, 8, 9].map(small)),
         ("a.pgm", [7, 8, 9].map(|value| pnm("P5 2 1 255\n", value))),
@@ -220,18 +220,18 @@ fn several_pictures_in_one_file_are_a_recording() {
         ("a.pnm", [7, 8, 9].map(text)),
         ("b.pnm", [7, 8, 9].map(wide)),
     ] {
-        let (file, all) = (folder.path().join(name), pictures.concat());
+        let (file, all) = (folder.path().join(name), images.concat());
         fs::write(&file, &all).unwrap();
         let (recording, sequence) = Seekable::open(&file, &OpenOptions::default()).unwrap();
-        assert_eq!((sequence.length, sequence.source.picture_names()), (Some(3), vec![]), "{name}");
+        assert_eq!((sequence.length, sequence.source.image_names()), (Some(3), vec![]), "{name}");
         let levels = |frames: Frames| frames.map(|frame| frame.unwrap().gray.pixels[0]).collect::<Vec<_>>();
         assert_eq!((levels(sequence.frames), levels(recording.gray_from(3).unwrap())), (vec![7, 8, 9], vec![9]));
         assert_eq!(recording.color_from(2, 9).unwrap().next().unwrap().pixels[0], [8; 3]);
-        assert!(message(decode_picture(&all)).starts_with("it holds several pictures"), "{name}");
-        reads(name, None, &all[..all.len() - pictures[2].len() / 2], &[7, 8], "...(frame 3)...");
+        assert!(message(decode_image(&all)).starts_with("it holds several pictures"), "{name}");
+        reads(name, None, &all[..all.len() - images[2].len() / 2], &[7, 8], "...(frame 3)...");
     }
     let preview = [small(7), jpeg()].concat();
-    reads("c.jpg", None, &preview, &[decode_picture(&preview).unwrap().pixels[0]], "");
+    reads("c.jpg", None, &preview, &[decode_image(&preview).unwrap().pixels[0]], "");
 }
 
 #[test]
@@ -240,8 +240,8 @@ fn levels_of_16_bits_are_said_and_stretched() {
     let value = |at: u16| 7600 + 3 * (at % 256);
     for number in 1..=3_u16 {
         let pixels: Vec<u8> = (0..1024).flat_map(|at| value(at + number).to_be_bytes()).collect();
-        let picture = [b"P5 32 32 65535\n", &pixels[..]].concat();
-        fs::write(folder.path().join(format!("{number}.pgm")), picture).unwrap();
+        let image = [b"P5 32 32 65535\n", &pixels[..]].concat();
+        fs::write(folder.path().join(format!("{number}.pgm")), image).unwrap();
     }
     let options = |levels: Option<&str>| {
         let levels = levels.map(|levels| levels.parse().unwrap());

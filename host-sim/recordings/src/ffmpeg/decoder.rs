@@ -1,4 +1,4 @@
-//! Decoded pictures of a video, and whether they are whole.
+//! Decodes the images of a video, and judges whether they are whole.
 
 use super::facts::Video;
 use super::nut::{Nut, Packet};
@@ -21,13 +21,13 @@ pub(crate) enum Use {
     Times,
 }
 
-pub(crate) struct Picture {
+pub(crate) struct Image {
     size: (u16, u16),
     pub moment: Option<Moment>,
     bytes: Vec<u8>,
 }
 
-impl Picture {
+impl Image {
     pub fn seconds(&self) -> Option<f64> {
         self.moment.map(|moment| moment.seconds())
     }
@@ -49,11 +49,11 @@ impl Picture {
     }
 }
 
-/// End of a video's pictures.
+/// End of a video's images.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum End {
     Whole,
-    /// ffmpeg failed, or complained, after this many pictures. Its words are only quoted.
+    /// ffmpeg failed, or complained, after this many images. Its words are only quoted.
     Doubtful {
         decoded: usize,
         words: String,
@@ -64,7 +64,7 @@ pub(super) enum End {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Part {
     Whole,
-    /// Pictures from a time in seconds on, after a seek to a time at or before it.
+    /// Images from a time in seconds on, after a seek to a time at or before it.
     From {
         seek: f64,
         time: f64,
@@ -74,8 +74,8 @@ pub(super) enum Part {
     Packets(usize),
 }
 
-/// Number of decoded pictures that are held back until more have been decoded without a doubt: damage can show itself
-/// some pictures late.
+/// Number of decoded images that are held back until more have been decoded without a doubt: damage can show itself
+/// some images late.
 pub(super) const HELD: usize = 4;
 
 /// ffmpeg options that count times from the start of the file, also after a seek.
@@ -90,12 +90,12 @@ const NUT_OFFSET: u32 = 1000;
 /// Length of a frame interval without a known rate, in parts of a second.
 const UNKNOWN_BASE: (u32, u32) = (1, 1_000_000);
 
-pub(crate) struct Pictures {
-    decoder: Ffmpeg,
+pub(crate) struct Decoder {
+    ffmpeg: Ffmpeg,
     /// The ffmpeg that copies packets, for [`Part::Packets`].
     copier: Option<Ffmpeg>,
     nut: Nut<Patient>,
-    /// Pictures that wait for their row, and rows that wait for their picture.
+    /// Images that wait for their row, and rows that wait for their image.
     unpaired: [VecDeque<Packet>; 2],
     /// Count of complaints that are no doubt: those before the first packet, or all for MJPEG, whose decoder complains
     /// about the data of applications.
@@ -107,8 +107,8 @@ pub(crate) struct Pictures {
     /// Time of the start of the stream, in units of `base`.
     zero: i64,
     times: Continued,
-    held: VecDeque<Picture>,
-    /// Number of pictures that are held back.
+    held: VecDeque<Image>,
+    /// Number of images that are held back.
     holds: usize,
     decoded: usize,
     /// True if the file goes on behind the part that is read, because a checksum is wrong there.
@@ -118,12 +118,12 @@ pub(crate) struct Pictures {
     end: Option<End>,
 }
 
-impl Pictures {
+impl Decoder {
     pub(super) fn start(video: &Video, wanted: Use, part: Part) -> Result<Self> {
         Self::run(video, wanted, part, false)
     }
 
-    /// Starts to decode pictures that are known to be right, and later ones that may not be: nothing is a doubt.
+    /// Starts to decode images that are known to be right, and later ones that may not be: nothing is a doubt.
     pub(super) fn lenient(video: &Video, wanted: Use, part: Part) -> Result<Self> {
         Self::run(video, wanted, part, true)
     }
@@ -171,7 +171,7 @@ impl Pictures {
         command.args(["-filter_complex", &graph, "-map", "[all]", "-map", "[row]", "-noautoscale"]);
         command.args(["-fps_mode", "passthrough", "-enc_time_base", &format!("{}:{}", base.0, base.1)]);
         command.args(["-c:v", "rawvideo", "-threads", "1", "-f", "nut", "-"]);
-        let decoder = input.run(&mut command)?;
+        let ffmpeg = input.run(&mut command)?;
         let allowed = match facts.codec.as_str() {
             "mjpeg" => usize::MAX,
             _ if is_lenient => usize::MAX,
@@ -180,9 +180,9 @@ impl Pictures {
         };
         let zero = if is_copied { i64::from(NUT_OFFSET) * i64::from(base.1) / i64::from(base.0) } else { 0 };
         Ok(Self {
-            nut: Nut::new(decoder.output()),
+            nut: Nut::new(ffmpeg.output()),
             unpaired: Default::default(),
-            decoder,
+            ffmpeg,
             copier,
             allowed,
             depth,
@@ -200,14 +200,14 @@ impl Pictures {
         })
     }
 
-    /// Returns the next picture, once [`HELD`] later ones or the end of a whole stream have been decoded without a
+    /// Returns the next image, once [`HELD`] later ones or the end of a whole stream have been decoded without a
     /// doubt. After `None`, [`Self::end`] says why there is no other.
-    pub fn next(&mut self) -> Result<Option<Picture>> {
+    pub fn next(&mut self) -> Result<Option<Image>> {
         while self.held.len() <= self.holds && self.end.is_none() {
             match self.decode()? {
-                Some(picture) => {
+                Some(image) => {
                     self.decoded += 1;
-                    self.held.push_back(picture);
+                    self.held.push_back(image);
                 }
                 None => self.end = Some(self.verdict()?),
             }
@@ -220,7 +220,7 @@ impl Pictures {
         self.decoded
     }
 
-    /// True after the last picture of a whole stream.
+    /// True after the last image of a whole stream.
     pub fn is_whole(&self) -> bool {
         self.end == Some(End::Whole)
     }
@@ -230,19 +230,19 @@ impl Pictures {
         self.end.as_ref()
     }
 
-    /// Returns the hash of the next picture that is still held back.
+    /// Returns the hash of the next image that is still held back.
     pub(super) fn first_held(&self) -> Option<u64> {
-        self.held.front().map(Picture::hash)
+        self.held.front().map(Image::hash)
     }
 
-    fn decode(&mut self) -> Result<Option<Picture>> {
-        let Some(picture) = self.packets()? else { return Ok(None) };
-        // The line of a picture is written before its packet, and after every complaint about the picture.
+    fn decode(&mut self) -> Result<Option<Image>> {
+        let Some(image) = self.packets()? else { return Ok(None) };
+        // The line of an image is written before its packet, and after every complaint about the image.
         loop {
-            match self.decoder.line()? {
-                Some(Line::Picture(time)) => {
-                    let is_good = self.decoder.complaints <= self.allowed;
-                    return Ok(is_good.then(|| self.timed(picture, time)));
+            match self.ffmpeg.line()? {
+                Some(Line::Image(time)) => {
+                    let is_good = self.ffmpeg.complaints <= self.allowed;
+                    return Ok(is_good.then(|| self.timed(image, time)));
                 }
                 Some(_) => {}
                 None => return Ok(None),
@@ -250,15 +250,15 @@ impl Pictures {
         }
     }
 
-    fn timed(&mut self, picture: Picture, time: Option<i64>) -> Picture {
+    fn timed(&mut self, image: Image, time: Option<i64>) -> Image {
         let (base, aspect) = (self.base, self.aspect);
         let second = i64::from(base.1.div_ceil(base.0));
         let time = time.map(|time| self.times.next(time - self.zero, second));
-        Picture { moment: time.map(|time| Moment { time, base, aspect }), ..picture }
+        Image { moment: time.map(|time| Moment { time, base, aspect }), ..image }
     }
 
-    /// Reads the two packets of a picture: all of it, and its first row. A newer ffmpeg may write them in any order.
-    fn packets(&mut self) -> Result<Option<Picture>> {
+    /// Reads the two packets of an image: all of it, and its first row. A newer ffmpeg may write them in any order.
+    fn packets(&mut self) -> Result<Option<Image>> {
         let depth = self.depth as u64;
         while self.unpaired.iter().any(VecDeque::is_empty) {
             let Some(packet) = self.nut.packet(MAX_PIXELS * depth)? else { return Ok(None) };
@@ -275,14 +275,14 @@ impl Pictures {
             format!("it is {width}x{height}: expected sides of at most 65535 and at most {MAX_PIXELS} pixels")
         })?;
         let bytes = self.tones.as_ref().map(|tones| tones.of_all(&bytes)).unwrap_or(bytes);
-        Ok(Some(Picture { size, moment: None, bytes }))
+        Ok(Some(Image { size, moment: None, bytes }))
     }
 
     /// Judges the whole stream: waits for the end of ffmpeg, unless it has already complained.
     fn verdict(&mut self) -> Result<End> {
-        let is_doubted = self.decoder.complaints > self.allowed;
-        if is_doubted || !self.decoder.succeeded()? || self.decoder.complaints > self.allowed {
-            return Ok(self.doubt(self.decoder.words()));
+        let is_doubted = self.ffmpeg.complaints > self.allowed;
+        if is_doubted || !self.ffmpeg.succeeded()? || self.ffmpeg.complaints > self.allowed {
+            return Ok(self.doubt(self.ffmpeg.words()));
         }
         // A copier of the first packets may end in the middle of the next one.
         if self.is_first_part {
