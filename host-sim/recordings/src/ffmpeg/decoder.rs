@@ -2,7 +2,7 @@
 
 use super::facts::Video;
 use super::nut::{Nut, Packet};
-use super::process::{self, Ffmpeg, Line, MARK};
+use super::process::{self, FROM_ZERO, Ffmpeg, Line, MARK};
 use super::tones::Tones;
 use crate::frame::Frame;
 use crate::frame::Moment;
@@ -78,9 +78,6 @@ pub(super) enum Part {
 /// some images late.
 pub(super) const HELD: usize = 4;
 
-/// ffmpeg options that count times from the start of the file, also after a seek.
-pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
-
 /// Filter by which times ascend, since a time that does not is an error of ffmpeg; [`MARK`] prints the true times.
 const ASCENDING: &str = "setpts='if(eq(N,0),if(isnan(PTS),0,PTS),if(isnan(PTS),PREV_OUTPTS+1,max(PTS,PREV_OUTPTS+1)))'";
 
@@ -120,41 +117,26 @@ pub(crate) struct Decoder {
 
 impl Decoder {
     pub(super) fn start(video: &Video, wanted: Use, part: Part) -> Result<Self> {
-        Self::run(video, wanted, part, false)
+        let allowed = match part {
+            _ if video.facts.codec == "mjpeg" => usize::MAX,
+            Part::Packets(_) => 0,
+            Part::Whole | Part::From { .. } => video.facts.notes,
+        };
+        Self::run(video, wanted, part, &STRICT, allowed, HELD)
     }
 
     /// Starts to decode images that are known to be right, and later ones that may not be: nothing is a doubt.
     pub(super) fn lenient(video: &Video, wanted: Use, part: Part) -> Result<Self> {
-        Self::run(video, wanted, part, true)
+        Self::run(video, wanted, part, &ONE_THREAD, usize::MAX, 0)
     }
 
-    fn run(video: &Video, wanted: Use, part: Part, is_lenient: bool) -> Result<Self> {
+    fn run(video: &Video, wanted: Use, part: Part, strict: &[&str], allowed: usize, holds: usize) -> Result<Self> {
         let Video { input, facts, .. } = video;
         let tones = match wanted {
             Use::Color(_) => video.transfer().map(Tones::of),
             Use::Gray | Use::Times => None,
         };
-        let (scale, format, depth) = match wanted {
-            Use::Gray => (String::new(), "gray", 1),
-            Use::Color(side) => {
-                let scale = format!("scale='min({side},iw)':'min({side},ih)':force_original_aspect_ratio=decrease,");
-                if tones.is_some() { (scale, "rgb48le", 6) } else { (scale, "rgb24", 3) }
-            }
-            Use::Times => ("scale=1:1:flags=neighbor,".to_owned(), "gray", 1),
-        };
         let base = facts.base.unwrap_or(UNKNOWN_BASE);
-        let select = match part {
-            Part::From { time, .. } => format!("select='gte(t,{time:.6})',"),
-            _ => String::new(),
-        };
-        let is_copied = matches!(part, Part::Packets(_));
-        let stream = if is_copied { 0 } else { facts.stream };
-        // The second output has one row, whose length is the width: a change of size is no secret.
-        let graph = format!(
-            "[0:V:{stream}]{select}settb={}/{},{MARK},{ASCENDING},{scale}format={format},split[all][b];[b]crop=iw:1:0:0[row]",
-            base.0, base.1
-        );
-        let strict = if is_lenient { &ONE_THREAD[..] } else { &STRICT };
         let (mut command, copier) = match part {
             Part::Packets(most) => {
                 let copier = copier(video, most)?;
@@ -168,17 +150,15 @@ impl Decoder {
                 (input.command(&[&FROM_ZERO[..], strict, &["-ss", &seek]].concat()), None)
             }
         };
+        let stream = if copier.is_some() { 0 } else { facts.stream };
+        let (filters, depth) = filters(wanted, part, base, tones.is_some());
+        // The second output has one row, whose length is the width: a change of size is no secret.
+        let graph = format!("[0:V:{stream}]{filters},split[all][b];[b]crop=iw:1:0:0[row]");
         command.args(["-filter_complex", &graph, "-map", "[all]", "-map", "[row]", "-noautoscale"]);
         command.args(["-fps_mode", "passthrough", "-enc_time_base", &format!("{}:{}", base.0, base.1)]);
         command.args(["-c:v", "rawvideo", "-threads", "1", "-f", "nut", "-"]);
         let ffmpeg = input.run(&mut command)?;
-        let allowed = match facts.codec.as_str() {
-            "mjpeg" => usize::MAX,
-            _ if is_lenient => usize::MAX,
-            _ if is_copied => 0,
-            _ => facts.notes,
-        };
-        let zero = if is_copied { i64::from(NUT_OFFSET) * i64::from(base.1) / i64::from(base.0) } else { 0 };
+        let zero = if copier.is_some() { i64::from(NUT_OFFSET) * i64::from(base.1) / i64::from(base.0) } else { 0 };
         Ok(Self {
             nut: Nut::new(ffmpeg.output()),
             unpaired: Default::default(),
@@ -192,7 +172,7 @@ impl Decoder {
             zero,
             times: Continued::default(),
             held: VecDeque::new(),
-            holds: if is_lenient { 0 } else { HELD },
+            holds,
             decoded: 0,
             is_cut: input.end.is_some(),
             is_first_part: matches!(part, Part::Packets(..usize::MAX)),
@@ -302,10 +282,27 @@ impl Decoder {
     }
 }
 
+/// Returns the filters that turn what is decoded into what is wanted, and the number of bytes for each pixel.
+fn filters(wanted: Use, part: Part, base: (u32, u32), is_hdr: bool) -> (String, usize) {
+    let (scale, format, depth) = match wanted {
+        Use::Gray => (String::new(), "gray", 1),
+        Use::Color(side) => {
+            let scale = format!("scale='min({side},iw)':'min({side},ih)':force_original_aspect_ratio=decrease,");
+            if is_hdr { (scale, "rgb48le", 6) } else { (scale, "rgb24", 3) }
+        }
+        Use::Times => ("scale=1:1:flags=neighbor,".to_owned(), "gray", 1),
+    };
+    let select = match part {
+        Part::From { time, .. } => format!("select='gte(t,{time:.6})',"),
+        Part::Whole | Part::Packets(_) => String::new(),
+    };
+    (format!("{select}settb={}/{},{MARK},{ASCENDING},{scale}format={format}", base.0, base.1), depth)
+}
+
 /// Starts an ffmpeg that copies packets into NUT.
 fn copier(Video { input, facts, .. }: &Video, most: usize) -> Result<Ffmpeg> {
     let mut command = input.command(&["-fflags", "+genpts"]);
-    command.args(["-map", &format!("0:V:{}", facts.stream), "-c", "copy"]);
+    command.args(["-map", &facts.map(), "-c", "copy"]);
     if most < usize::MAX {
         command.args(["-frames:v", &most.to_string()]);
     }

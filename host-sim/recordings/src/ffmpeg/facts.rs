@@ -2,7 +2,7 @@
 
 use super::matroska;
 use super::packets::{KEY, Packets, Stream};
-use super::process::Input;
+use super::process::{FROM_ZERO, Input};
 use super::tones::{self, Transfer};
 use anyhow::{Result, bail, ensure};
 use std::path::Path;
@@ -50,9 +50,14 @@ impl Video {
         Ok(Self { input, facts, transfer: OnceLock::new() })
     }
 
+    /// Starts to read the packets of the stream, with times from the start of the file.
+    pub(super) fn packets(&self) -> Result<Packets> {
+        Packets::of(&self.input, &FROM_ZERO, &["-map", &self.facts.map()])
+    }
+
     /// Returns the HDR transfer function; `None` without HDR. The first call decodes an image.
     pub(super) fn transfer(&self) -> Option<Transfer> {
-        *self.transfer.get_or_init(|| tones::transfer(&self.input, self.facts.stream).ok().flatten())
+        *self.transfer.get_or_init(|| tones::transfer(&self.input, &self.facts.map()).ok().flatten())
     }
 }
 
@@ -78,6 +83,11 @@ impl Facts {
         // The stream has no packet. Decoding then says what is wrong.
         let stream = default_stream(input, &packets.streams)?;
         Ok(Self { begins_at_key: true, ..Self::stated(stream, &packets.streams[stream]) })
+    }
+
+    /// Returns the stream in the words of ffmpeg's option `-map`.
+    pub fn map(&self) -> String {
+        format!("0:V:{}", self.stream)
     }
 
     fn stated(stream: usize, stated: &Stream) -> Self {

@@ -2,9 +2,9 @@
 //!
 //! Times are read from packets if each packet is one frame and times grow; otherwise the whole file is decoded.
 
-use super::decoder::{FROM_ZERO, MAX_TIME_JUMP, Use};
+use super::decoder::{MAX_TIME_JUMP, Use};
 use super::facts::Video;
-use super::packets::{DISCARDED, Packets};
+use super::packets::DISCARDED;
 use super::reading;
 use crate::formats::y4m;
 use smr_files::locked;
@@ -48,12 +48,11 @@ impl Index {
     }
 
     fn fill(&self, file: &Path, patience: Duration) {
-        if !y4m::is_y4m(file)
-            && let Ok(video) = Video::of("ffmpeg", file, patience)
-        {
-            let _ = self.video.set(Arc::new(video));
+        let video = video(file, patience).map(Arc::new);
+        if let Some(video) = &video {
+            let _ = self.video.set(Arc::clone(video));
         }
-        let listing = listing(file, self.video.get(), patience);
+        let listing = listing(file, video.as_deref());
         self.change(|found| found.can_seek = Some(listing != Listing::Unsure));
         if let Listing::Frames(times) = listing {
             return self.change(|found| (found.times, found.is_whole) = (times, true));
@@ -109,8 +108,12 @@ const SAME: f64 = 1e-6;
 
 /// Returns the number of frames in a file; `None` if only decoding the whole file would give this number.
 pub(crate) fn count(file: &Path, patience: Duration) -> Option<usize> {
-    let video = if y4m::is_y4m(file) { None } else { Some(Arc::new(Video::of("ffmpeg", file, patience).ok()?)) };
-    if let Listing::Frames(times) = listing(file, video.as_ref(), patience) { Some(times.len()) } else { None }
+    if let Listing::Frames(times) = listing(file, video(file, patience).as_ref()) { Some(times.len()) } else { None }
+}
+
+/// Returns the facts of a file; `None` if ffmpeg is not needed, or cannot read it.
+fn video(file: &Path, patience: Duration) -> Option<Video> {
+    (!y4m::is_y4m(file)).then(|| Video::of("ffmpeg", file, patience).ok())?
 }
 
 fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
@@ -137,78 +140,59 @@ const SOME_HIDDEN: [&str; 2] = ["vp8", "mpeg4"];
 /// Count of frames that are decoded to verify the times of the packets.
 const CHECKED_FRAMES: usize = 48;
 
-fn listing(file: &Path, video: Option<&Arc<Video>>, patience: Duration) -> Listing {
+fn listing(file: &Path, video: Option<&Video>) -> Listing {
     if y4m::is_y4m(file) {
         return y4m::times(file).map_or(Listing::Unsure, |times| Listing::Frames(times.collect()));
     }
-    let read = video
-        .filter(|video| video.facts.begins_at_key && video.input.end.is_none())
-        .and_then(|video| read_packets(video));
-    read.and_then(|read| read.checked(file, patience)).unwrap_or(Listing::Unsure)
+    let whole = video.filter(|video| video.facts.begins_at_key && video.input.end.is_none());
+    whole.and_then(listed).unwrap_or(Listing::Unsure)
 }
 
-/// Facts about a file's packets; no two shown packets have the same presentation time.
-struct Read {
-    codec: String,
-    /// Unit of `times` in seconds, as a fraction.
-    base: (f64, f64),
-    /// Presentation times of the shown packets (those without the flag `DISCARDED`), sorted.
-    times: Vec<i64>,
-    has_empty: bool,
+/// Classifies the packets; `None` for an unknown codec, an empty packet, no decodable frame, a leap in time, or packet
+/// times that lack the time of a decoded frame.
+fn listed(video: &Video) -> Option<Listing> {
+    let codec = video.facts.codec.as_str();
+    if SOME_HIDDEN.contains(&codec) {
+        return shown_times(video, true).map(|_| Listing::Hidden);
+    }
+    let shown = ONE_EACH.contains(&codec).then(|| shown_times(video, false))??;
+    let (unit, second) = video.facts.base?;
+    let seconds = |time: i64| time as f64 * f64::from(unit) / f64::from(second);
+    let mut times: Vec<f64> = shown.into_iter().map(seconds).collect();
+    let tried: Vec<f64> = decoded(&video.input.file, video.input.patience).take(CHECKED_FRAMES).collect();
+    let first = *tried.first()?;
+    times.drain(..times.partition_point(|&time| time < first - SAME));
+    let is_there =
+        |time: &f64| times.get(times.partition_point(|at| at + SAME < *time)).is_some_and(|at| at - time < SAME);
+    let has_leap = times.windows(2).any(|pair| pair[1] - pair[0] > f64::from(MAX_TIME_JUMP));
+    if has_leap || !tried.iter().all(is_there) {
+        return None;
+    }
+    // The two fields of an interlaced frame may be two packets, with half a frame interval between their times.
+    let least = |times: &[f64]| times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    let are_all = tried.len() == times.len()
+        || tried.len() == CHECKED_FRAMES && tried.last() <= times.get(CHECKED_FRAMES - 1).map(|at| at + SAME).as_ref();
+    Some(if are_all && least(&times) > 0.6 * least(&tried) { Listing::Frames(times) } else { Listing::Hidden })
 }
 
-/// Reads all packets. Returns `None` if ffmpeg cannot be run or read, a time is missing, the DTS does not grow, or two
-/// shown packets have the same PTS.
-fn read_packets(video: &Video) -> Option<Read> {
-    let facts = &video.facts;
-    let mut packets = Packets::of(&video.input, &FROM_ZERO, &["-map", &format!("0:V:{}", facts.stream)]).ok()?;
-    let (unit, second) = facts.base?;
-    let base = (unit.into(), second.into());
-    let mut read = Read { codec: facts.codec.clone(), base, times: Vec::new(), has_empty: false };
-    let mut last = i64::MIN;
+/// Reads all packets, and returns the presentation times of those that are shown, sorted, in units of the stream.
+/// Returns `None` if ffmpeg cannot be run or read, a time is missing, the DTS does not grow, two shown packets have the
+/// same PTS, or a packet is empty, unless `may_be_empty`.
+fn shown_times(video: &Video, may_be_empty: bool) -> Option<Vec<i64>> {
+    video.facts.base?;
+    let (mut packets, mut times, mut last) = (video.packets().ok()?, Vec::new(), i64::MIN);
     while let Some(packet) = packets.next().ok()? {
         let (sent, shown) = (packet.sent?, packet.shown?);
-        if sent <= std::mem::replace(&mut last, sent) {
+        if sent <= std::mem::replace(&mut last, sent) || packet.size == 0 && !may_be_empty {
             return None;
         }
-        read.has_empty |= packet.size == 0;
         if packet.flags & DISCARDED == 0 {
-            let at = read.times.len() - read.times.iter().rev().take_while(|&&time| time > shown).count();
-            if at > 0 && read.times[at - 1] == shown {
+            let at = times.len() - times.iter().rev().take_while(|&&time| time > shown).count();
+            if at > 0 && times[at - 1] == shown {
                 return None;
             }
-            read.times.insert(at, shown);
+            times.insert(at, shown);
         }
     }
-    packets.ffmpeg.succeeded().ok()?.then_some(read)
-}
-
-impl Read {
-    /// Classifies the packets; `None` for an unknown codec, an empty packet, no decodable frame, a leap in time, or
-    /// packet times that lack the time of a decoded frame.
-    fn checked(mut self, file: &Path, patience: Duration) -> Option<Listing> {
-        if SOME_HIDDEN.contains(&self.codec.as_str()) {
-            return Some(Listing::Hidden);
-        }
-        if self.has_empty || !ONE_EACH.contains(&self.codec.as_str()) {
-            return None;
-        }
-        let seconds = |&time: &i64| time as f64 * self.base.0 / self.base.1;
-        let tried: Vec<f64> = decoded(file, patience).take(CHECKED_FRAMES).collect();
-        let first = *tried.first()?;
-        let mut times: Vec<f64> = self.times.drain(..).map(|time| seconds(&time)).collect();
-        times.drain(..times.partition_point(|&time| time < first - SAME));
-        let is_there =
-            |time: &f64| times.get(times.partition_point(|at| at + SAME < *time)).is_some_and(|at| at - time < SAME);
-        let has_leap = times.windows(2).any(|pair| pair[1] - pair[0] > f64::from(MAX_TIME_JUMP));
-        if has_leap || !tried.iter().all(is_there) {
-            return None;
-        }
-        // The two fields of an interlaced frame may be two packets, with half a frame interval between their times.
-        let least = |times: &[f64]| times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-        let are_all = tried.len() == times.len()
-            || tried.len() == CHECKED_FRAMES
-                && tried.last() <= times.get(CHECKED_FRAMES - 1).map(|at| at + SAME).as_ref();
-        Some(if are_all && least(&times) > 0.6 * least(&tried) { Listing::Frames(times) } else { Listing::Hidden })
-    }
+    packets.ffmpeg.succeeded().ok()?.then_some(times)
 }

@@ -41,26 +41,21 @@ fn variable(input: &mut impl Read, most: u32, keeps_mark: bool) -> Result<(u64, 
     Ok((value, 7 * bytes))
 }
 
-/// Elements of a file in memory.
-pub(super) struct Elements;
-
-impl Elements {
-    /// Returns the number at the end of a path of ids, each the first of its id.
-    pub fn number(bytes: &[u8], path: &[u32]) -> Option<u64> {
-        let Some((id, rest)) = path.split_first() else {
-            return Some(bytes.iter().fold(0, |number, byte| number << 8 | u64::from(*byte)));
-        };
-        let mut left = bytes;
-        while let Ok((found, length)) = element(&mut left) {
-            let length = length.and_then(|length| usize::try_from(length).ok()).unwrap_or(left.len()).min(left.len());
-            let (content, after) = left.split_at(length);
-            if found == *id {
-                return Self::number(content, rest);
-            }
-            left = after;
+/// Returns the number at the end of a path of ids in the elements of a file, each the first of its id.
+pub(super) fn number(bytes: &[u8], path: &[u32]) -> Option<u64> {
+    let Some((id, rest)) = path.split_first() else {
+        return Some(bytes.iter().fold(0, |number, byte| number << 8 | u64::from(*byte)));
+    };
+    let mut left = bytes;
+    while let Ok((found, length)) = element(&mut left) {
+        let length = length.and_then(|length| usize::try_from(length).ok()).unwrap_or(left.len()).min(left.len());
+        let (content, after) = left.split_at(length);
+        if found == *id {
+            return number(content, rest);
         }
-        None
+        left = after;
     }
+    None
 }
 
 /// Returns the offset in bytes of the first element whose checksum is wrong, or where an element should begin and does
@@ -193,7 +188,7 @@ mod tests {
     fn numbers_are_found_by_their_path() {
         let inner = element_of(&[0x55, 0xBA], &[1, 2]);
         let bytes = [element_of(&[0xEC], b"void"), element_of(&[0xAE], &inner)].concat();
-        assert_eq!(Elements::number(&bytes, &[0xAE, 0x55BA]), Some(0x102));
-        assert_eq!(Elements::number(&bytes, &[0xAE, 0x55BB]), None);
+        assert_eq!(number(&bytes, &[0xAE, 0x55BA]), Some(0x102));
+        assert_eq!(number(&bytes, &[0xAE, 0x55BB]), None);
     }
 }

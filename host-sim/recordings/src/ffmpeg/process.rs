@@ -18,6 +18,9 @@ pub const PATIENCE: Duration = Duration::from_secs(60);
 /// ffmpeg's arguments in every command here. Only messages of level error and above are printed, each with its level.
 const ALWAYS: [&str; 5] = ["-nostdin", "-nostats", "-hide_banner", "-v", "level+error"];
 
+/// ffmpeg options that count times from the start of the file, also after a seek.
+pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
+
 /// Returns the path with the prefix `file:`, without which ffmpeg takes a colon in the name for the end of a protocol.
 pub fn input(file: &Path) -> OsString {
     let mut input = OsString::from("file:");

@@ -193,7 +193,7 @@ impl Reading {
             return Ok(false);
         }
         while decoder.next()?.is_some() {}
-        Ok(decoder.end() == Some(&End::Whole) && decoder.decoded() >= self.taken)
+        Ok(decoder.is_whole() && decoder.decoded() >= self.taken)
     }
 }
 

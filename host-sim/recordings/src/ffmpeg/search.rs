@@ -3,9 +3,9 @@
 //! A decoder that fails ends some images early or late, differently in each run and each version of ffmpeg. So the
 //! search decodes copies of the first packets alone, and looks for the largest number that decodes without a doubt.
 
-use super::decoder::{Decoder, End, FROM_ZERO, MAX_TIME_JUMP, Part, Use};
+use super::decoder::{Decoder, MAX_TIME_JUMP, Part, Use};
 use super::facts::Video;
-use super::packets::{CORRUPT, DISCARDED, KEY, Packet, Packets};
+use super::packets::{CORRUPT, DISCARDED, KEY, Packet};
 use anyhow::Result;
 
 /// Number of packets by which the search first goes on behind those that certainly decode. ffmpeg's threads are fewer
@@ -26,8 +26,8 @@ pub(super) struct List {
 
 impl List {
     pub fn of(video: &Video) -> Result<Self> {
-        let Video { input, facts, .. } = video;
-        let mut rows = Packets::of(input, &FROM_ZERO, &["-map", &format!("0:V:{}", facts.stream)])?;
+        let facts = &video.facts;
+        let mut rows = video.packets()?;
         let (mut packets, mut complaint) = (Vec::new(), None);
         while let Some(packet) = rows.next()? {
             if rows.ffmpeg.complaints > facts.notes {
@@ -138,7 +138,7 @@ fn decoded(video: &Video, packets: usize) -> Result<Option<usize>> {
     }
     let mut decoder = Decoder::start(video, Use::Times, Part::Packets(packets))?;
     while decoder.next()?.is_some() {}
-    Ok((decoder.end() == Some(&End::Whole)).then(|| decoder.decoded()))
+    Ok(decoder.is_whole().then(|| decoder.decoded()))
 }
 
 /// Returns how many of the first packets are shown before every later packet.

@@ -1,6 +1,6 @@
 //! Tone mapping: converts HDR light to the levels of an ordinary screen.
 
-use super::matroska::Elements;
+use super::matroska;
 use super::process::Input;
 use anyhow::Result;
 use std::io::Read;
@@ -13,14 +13,14 @@ pub(super) enum Transfer {
 
 /// Returns the transfer function of a video stream's first image; `None` without HDR. ffmpeg states it as a number in
 /// the head of a Matroska file.
-pub(super) fn transfer(input: &Input, stream: usize) -> Result<Option<Transfer>> {
+pub(super) fn transfer(input: &Input, map: &str) -> Result<Option<Transfer>> {
     let mut command = input.command(&[]);
-    command.args(["-map", &format!("0:V:{stream}"), "-frames:v", "1", "-vf", "crop='min(2,iw)':'min(2,ih)'"]);
+    command.args(["-map", map, "-frames:v", "1", "-vf", "crop='min(2,iw)':'min(2,ih)'"]);
     command.args(["-c:v", "ffv1", "-f", "matroska", "-"]);
     let ffmpeg = input.run(&mut command)?;
     let mut head = Vec::new();
     ffmpeg.output().take(MAX_HEAD).read_to_end(&mut head)?;
-    Ok(match Elements::number(&head, &TRANSFER_CHARACTERISTICS) {
+    Ok(match matroska::number(&head, &TRANSFER_CHARACTERISTICS) {
         Some(16) => Some(Transfer::Pq),
         Some(18) => Some(Transfer::Hlg),
         _ => None,
