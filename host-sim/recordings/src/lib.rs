@@ -4,6 +4,7 @@
 //! a tracker.
 
 pub mod annotations;
+mod bounding_box;
 mod built_in;
 mod color;
 mod damage;
@@ -28,8 +29,9 @@ mod seekable;
 mod sequence;
 mod source;
 
-pub use annotations::boxes::{self, BoundingBox};
+pub use annotations::boxes;
 pub use annotations::start::{Start, Target, check_gone, checked_name};
+pub use bounding_box::BoundingBox;
 pub use built_in::{BUILT_IN, CHECKED, SLOW, slow, street, synthetic};
 pub use damage::Damaged;
 pub use disturb::{away, cover, fault};
@@ -41,7 +43,7 @@ pub use formats::to_gray::{Levels, luma};
 pub use frame::{Frame, Frames, Moment};
 pub use frame_number::FrameNumber;
 pub use frame_range::{FrameRange, misfit};
-pub use open::{OpenOptions, is_sequence, open, start_beside};
+pub use open::{OpenOptions, open, start_beside};
 pub use planes::Planes;
 pub use raster::{ColorFrame, GrayFrame, Raster};
 pub use resize::{Resize, Scalable, resized};

@@ -1,6 +1,7 @@
 //! Opens a recording by its path: folders of images, Y4M, video, raw dumps, cameras and built-in scenes.
 
-use crate::annotations::boxes::{self, BoundingBox};
+use crate::annotations::boxes;
+use crate::bounding_box::BoundingBox;
 use crate::built_in::{BUILT_IN, built_in};
 use crate::ffmpeg::{self, Live, is_live};
 use crate::folder::{INNER, check_file, files_in, folder_name, images_in, is_recording, only_recording};
@@ -94,7 +95,7 @@ const STANDARD_INPUT: &str = "-";
 
 /// True if `path` may be a recording that [`open`] reads: a built-in name, `-`, a live source, any file, or a folder
 /// that holds recording files, judged by their names. False for a folder with a subfolder for each recording.
-pub fn is_sequence(path: &Path) -> bool {
+pub(crate) fn is_sequence(path: &Path) -> bool {
     if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
     }

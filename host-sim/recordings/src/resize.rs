@@ -1,6 +1,6 @@
 //! Scales the frames and boxes of a recording to another size.
 
-use crate::annotations::boxes::BoundingBox;
+use crate::bounding_box::BoundingBox;
 use crate::frame::Frame;
 use crate::raster::{MAX_PIXELS, Raster};
 use crate::sequence::Sequence;

@@ -70,10 +70,10 @@ impl Seekable {
         let (index, file, patience) = (Arc::clone(&self.index), file.to_owned(), self.options.patience());
         let video = index.video();
         let found = video.zip(index.sought(number)).and_then(|(video, time)| ffmpeg::sought(&video, time, wanted));
-        let (mut first, mut images) = found.unzip();
+        let (mut first, mut decoder) = found.unzip();
         let mut rest: Option<Box<dyn Iterator<Item = Result<Image>> + Send>> = None;
         std::iter::from_fn(move || {
-            if let Some(sought) = &mut images {
+            if let Some(sought) = &mut decoder {
                 let image = first.take().or_else(|| sought.next().ok()?);
                 match image.filter(|image| index.has(number, image.seconds())) {
                     Some(image) => {
@@ -81,7 +81,7 @@ impl Seekable {
                         return Some(Ok(image));
                     }
                     None if sought.is_whole() && index.ends_before(number) => return None,
-                    None => images = None,
+                    None => decoder = None,
                 }
             }
             let begin = || -> Box<dyn Iterator<Item = _> + Send> {

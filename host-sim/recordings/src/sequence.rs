@@ -1,6 +1,6 @@
 //! A recording as it is read: its frames in order, and the boxes known about them.
 
-use crate::annotations::boxes::BoundingBox;
+use crate::bounding_box::BoundingBox;
 use crate::damage;
 use crate::frame::{Frame, Frames};
 use crate::raster::GrayFrame;

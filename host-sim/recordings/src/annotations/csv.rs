@@ -1,9 +1,9 @@
 //! CSV with column names, as `host-sim track`, spreadsheets, R and pandas write it: comma, semicolon or tab, quotes,
 //! any order of columns, any case of their names. Columns without a meaning here are ignored.
 
-use super::boxes::BoundingBox;
 use super::track::{Entry, Seen, Track, frame, line_of, number, shown};
 use crate::annotations::start::checked_name;
+use crate::bounding_box::BoundingBox;
 use ::csv::{Reader, ReaderBuilder, StringRecord, Trim};
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::HashMap;

@@ -1,11 +1,11 @@
 //! CVAT XML 1.1, <https://docs.cvat.ai/docs/dataset_management/formats/format-cvat/>: tracks of a video, or shapes of
 //! images. Frames and images count from 0. A shape is read as its bounding box.
 
-use super::boxes::BoundingBox;
 use super::track::{Entry, Seen, Track, frame, line_of, number, shown};
 use super::xml::{Element, Step, Steps};
 use crate::annotations::boxes::mask;
 use crate::annotations::start::checked_name;
+use crate::bounding_box::BoundingBox;
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::HashMap;
 

@@ -39,8 +39,8 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Target>> {
 
 #[cfg(test)]
 mod tests {
-    use super::boxes::BoundingBox;
     use super::*;
+    use crate::bounding_box::BoundingBox;
 
     /// Returns each target as text: its name, then its locks with their frames.
     fn read(text: &str) -> Result<Vec<String>, String> {

@@ -1,6 +1,6 @@
 //! Start boxes of targets on the command line: `150,100,40,48`, `car=150,100,40,48@300` or `car=gone@400`.
 
-use crate::annotations::boxes::BoundingBox;
+use crate::bounding_box::BoundingBox;
 use crate::frame_number::FrameNumber;
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use std::fmt;

@@ -1,7 +1,7 @@
 //! Tracks as files state them: the entries of each target, in any order, and what they have in common.
 
-use super::boxes::BoundingBox;
 use super::start::Target;
+use crate::bounding_box::BoundingBox;
 use anyhow::{Context, Result, anyhow, bail};
 
 /// An entry of a target in a frame. Its line is computed from its position, and only for an error.

@@ -3,7 +3,7 @@
 pub mod street;
 pub mod synthetic;
 
-use crate::annotations::boxes::BoundingBox;
+use crate::bounding_box::BoundingBox;
 use crate::raster::GrayFrame;
 use crate::sequence::Sequence;
 use smr_scene::slow::Slow;

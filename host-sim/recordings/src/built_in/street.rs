@@ -1,6 +1,6 @@
 //! The built-in recording `street`, which `smr_scene::street` draws, for demonstrations.
 
-use crate::annotations::boxes::BoundingBox;
+use crate::bounding_box::BoundingBox;
 use crate::formats::to_gray::luma;
 use crate::raster::{ColorFrame, GrayFrame};
 use crate::sequence::Sequence;

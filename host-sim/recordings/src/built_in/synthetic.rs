@@ -1,6 +1,6 @@
 //! The built-in recording `synthetic`, which `smr_scene::synthetic` draws, to test trackers.
 
-use crate::annotations::boxes::BoundingBox;
+use crate::bounding_box::BoundingBox;
 use crate::raster::GrayFrame;
 use crate::sequence::Sequence;
 use smr_scene::synthetic::Textures;

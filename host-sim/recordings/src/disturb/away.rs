@@ -1,7 +1,7 @@
 //! Simulates a target that leaves and returns. While the target is gone, shows only a strip of each frame beside the
 //! target's place; afterwards, shows the frames shifted.
 
-use crate::annotations::boxes::BoundingBox;
+use crate::bounding_box::BoundingBox;
 use crate::raster::GrayFrame;
 use smr_core::Rect;
 use std::ops::Range;
