@@ -47,38 +47,14 @@ impl OpenOptions {
 /// in TLD form, else `groundtruth_rect.txt` in OTB form, else `groundtruth.txt` in VOT or GOT-10k form).
 pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     let mut sequence = if path == Path::new(STANDARD_INPUT) {
-        ensure!(options.size.is_none(), "--size is for raw dumps: standard input is read as Y4M");
-        let name = "standard input".to_owned();
-        let frames = y4m::Frames::new(BufReader::new(stdin()), name.clone())?;
-        Sequence::streamed(name, frames, Source::Once)
+        of_standard_input(options)?
     } else if is_live(path) {
-        ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
-        let (name, _) = ffmpeg::without_secrets(path);
-        ensure!(options.takes_live, "{name} is a live source, for `track` and `view` alone: expected a recording");
-        let live = Live::open(path, options.patience())?;
-        let (name, source) = (live.name.clone(), Source::Live(Arc::clone(&live.arrivals)));
-        Sequence::streamed(name, live.map(Ok), source)
+        of_live(path, options)?
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
         built_in
     } else {
-        ensure!(!path.to_string_lossy().starts_with("/dev/video"), "there is no camera {}: {LIVE}", path.display());
-        let kind = fs::metadata(path).with_context(|| {
-            let known = BUILT_IN.join(", ");
-            format!("cannot open {}: expected a folder, a file, or one of {known}", path.display())
-        })?;
-        let (name, folder, sequence) = if kind.is_dir() {
-            (folder_name(path), path, source_in(path, options)?)
-        } else {
-            let is_image = images::is_image(path) && options.size.is_none();
-            let sequence =
-                if is_image { images(ImageFile::all_in(path), path, options) } else { source_of(path, options)? };
-            let name =
-                path.file_stem().map_or_else(|| path.as_os_str().to_string_lossy(), |stem| stem.to_string_lossy());
-            (name.into_owned(), path.parent().unwrap_or(Path::new("")), sequence)
-        };
-        let (truth, init) = boxes_in(folder)?;
-        Sequence { name, init, truth, ..sequence }
+        of_files(path, options)?
     };
     let has_levels = matches!(sequence.source, Source::Images(_));
     ensure!(options.levels.is_none() || has_levels, "--levels is for 16-bit pictures: {} is none", sequence.name);
@@ -86,6 +62,42 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     // Tables have one line for each recording, so the name must be one line.
     sequence.name = messages::line(&sequence.name);
     Ok(sequence)
+}
+
+fn of_standard_input(options: &OpenOptions) -> Result<Sequence> {
+    ensure!(options.size.is_none(), "--size is for raw dumps: standard input is read as Y4M");
+    let name = "standard input".to_owned();
+    let frames = y4m::Frames::new(BufReader::new(stdin()), name.clone())?;
+    Ok(Sequence::streamed(name, frames, Source::Once))
+}
+
+fn of_live(address: &Path, options: &OpenOptions) -> Result<Sequence> {
+    ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
+    let (name, _) = ffmpeg::without_secrets(address);
+    ensure!(options.takes_live, "{name} is a live source, for `track` and `view` alone: expected a recording");
+    let live = Live::open(address, options.patience())?;
+    let (name, source) = (live.name.clone(), Source::Live(Arc::clone(&live.arrivals)));
+    Ok(Sequence::streamed(name, live.map(Ok), source))
+}
+
+/// Opens a folder or a file, with the boxes beside its frames.
+fn of_files(path: &Path, options: &OpenOptions) -> Result<Sequence> {
+    ensure!(!path.to_string_lossy().starts_with("/dev/video"), "there is no camera {}: {LIVE}", path.display());
+    let kind = fs::metadata(path).with_context(|| {
+        let known = BUILT_IN.join(", ");
+        format!("cannot open {}: expected a folder, a file, or one of {known}", path.display())
+    })?;
+    let (name, folder, sequence) = if kind.is_dir() {
+        (folder_name(path), path, source_in(path, options)?)
+    } else {
+        let is_image = images::is_image(path) && options.size.is_none();
+        let sequence =
+            if is_image { images(ImageFile::all_in(path), path, options) } else { source_of(path, options)? };
+        let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        (name, path.parent().unwrap_or(Path::new("")), sequence)
+    };
+    let (truth, init) = boxes_in(folder)?;
+    Ok(Sequence { name, init, truth, ..sequence })
 }
 
 const LIVE: &str = "let ffmpeg read it, and pipe its Y4M into `host-sim track -` (host-sim/README.md, A live camera)";
