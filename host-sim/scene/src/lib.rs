@@ -8,6 +8,7 @@ pub mod periodic;
 pub mod random;
 mod rays;
 pub mod slow;
+mod sqrt;
 pub mod street;
 pub mod synthetic;
 mod texture;

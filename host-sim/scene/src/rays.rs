@@ -2,9 +2,8 @@
 //!
 //! Uses only sums, products, quotients, remainders and square roots, which IEEE 754 rounds alike on every machine.
 
+use super::sqrt::sqrt;
 use super::texture::Texture;
-#[cfg(target_family = "wasm")]
-pub use super::web::sqrt;
 
 /// A position or direction in meters (right, up, away), or a color (red, green, blue) from 0 to 1.
 pub type Triple = [f64; 3];
@@ -147,11 +146,6 @@ pub fn minus(a: Triple, b: Triple) -> Triple {
 
 pub fn onward(from: Triple, along: Triple, far: f64) -> Triple {
     [from[0] + along[0] * far, from[1] + along[1] * far, from[2] + along[2] * far]
-}
-
-#[cfg(not(target_family = "wasm"))]
-pub fn sqrt(of: f64) -> f64 {
-    of.sqrt()
 }
 
 pub fn length(of: Triple) -> f64 {

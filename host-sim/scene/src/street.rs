@@ -11,9 +11,8 @@
 //! | 231 to 299 | it goes to the right, almost twice as wide as at first, and passes behind a lamp post |
 
 use super::random::Random;
-use super::rays::{
-    Paint, SUN, Solid, Triple, is_met, length, levels, minus, mixed, nearest, onward, shown, sqrt, unit,
-};
+use super::rays::{Paint, SUN, Solid, Triple, is_met, length, levels, minus, mixed, nearest, onward, shown, unit};
+use super::sqrt::sqrt;
 use super::texture::Texture;
 use super::{PIXEL, Sides};
 use core::array;

@@ -12,12 +12,6 @@ extern "C" fn street_frame(index: usize) -> *const [u8; 4] {
     street.frame(index).as_ptr()
 }
 
-// SAFETY: JavaScript's `Math.sqrt` takes any number.
-#[link(wasm_import_module = "Math")]
-unsafe extern "C" {
-    pub safe fn sqrt(of: f64) -> f64;
-}
-
 #[panic_handler]
 fn stop(_: &core::panic::PanicInfo<'_>) -> ! {
     core::arch::wasm32::unreachable()
