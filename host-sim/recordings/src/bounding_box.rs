@@ -89,7 +89,7 @@ impl From<FineRect> for BoundingBox {
     }
 }
 
-/// Formats `x,y,width,height`, which [`BoundingBox::from_str`] parses. For files, see [`Form`].
+/// Formats `x,y,width,height`, which [`BoundingBox::from_str`] parses. Files have other forms.
 impl fmt::Display for BoundingBox {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{},{},{},{}", self.x, self.y, self.width, self.height)

@@ -10,7 +10,7 @@ pub struct Frame {
     pub number: usize,
     pub seconds: Option<f64>,
     pub gray: GrayFrame,
-    /// The frame in color, if requested by [`Sequence::in_color`].
+    /// The frame in color, if `Sequence::in_color` asks for it.
     pub color: Option<ColorFrame>,
     /// Presentation time and pixel aspect, for a video written from the color frames.
     pub moment: Option<Moment>,
