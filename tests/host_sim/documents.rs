@@ -1,6 +1,7 @@
 //! Runs each host-sim command in the ```sh blocks of the READMEs, in a folder with the files that the READMEs name:
 //! `clip.mp4`, `video.mp4`, `sequences`, a flight record. `NOT_RUN` lists the exceptions with their reasons.
 
+use crate::markdown;
 use crate::missing::{has_ffmpeg, runs, skipped};
 use crate::program::{PROGRAM, host_sim, utf8};
 use smr_core::record::Recorder;
@@ -11,6 +12,12 @@ use std::convert::Infallible;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
+
+const READMES: [(&str, &str); 3] = [
+    ("README.md", include_str!("../../README.md")),
+    ("host-sim/README.md", include_str!("../../host-sim/README.md")),
+    ("core/examples/README.md", include_str!("../../core/examples/README.md")),
+];
 
 const NOT_RUN: [(&str, &str); 9] = [
     ("git clone", "it was cloned"),
@@ -23,19 +30,6 @@ const NOT_RUN: [(&str, &str); 9] = [
     ("host-sim track rtsp://", "it needs a camera"),
     ("host-sim view", "it serves until it is ended; tests of its own run it"),
 ];
-
-fn commands(readme: &str) -> Vec<&str> {
-    let (mut inside, mut lines) = (false, Vec::new());
-    for line in readme.lines() {
-        if line.starts_with("```") {
-            inside = line == "```sh";
-        } else if inside {
-            lines.push(line.split(" #").next().unwrap_or(line).trim());
-        }
-    }
-    lines.retain(|line| !line.is_empty());
-    lines
-}
 
 /// Returns the arguments of host-sim in a line; `None` if `NOT_RUN` lists the line.
 fn arguments(line: &str) -> Option<Vec<&str>> {
@@ -97,16 +91,11 @@ fn the_commands_of_the_readmes_run_as_they_stand() {
         let out = folder.path().join(name);
         assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..20", "-o", utf8(&out)]).code, Some(0));
     }
-    let readmes = [
-        ("README.md", include_str!("../../README.md")),
-        ("host-sim/README.md", include_str!("../../host-sim/README.md")),
-        ("core/examples/README.md", include_str!("../../core/examples/README.md")),
-    ];
     // Skips lines that have run already, and host-sim without arguments, which `tests/cases/report.md` runs.
     let mut done = HashSet::from([vec![]]);
-    for (readme, line) in
-        readmes.iter().flat_map(|(name, text)| commands(text).into_iter().map(move |line| (name, line)))
-    {
+    let blocks: Vec<_> = READMES.iter().map(|(name, text)| (name, markdown::blocks(text, "sh").concat())).collect();
+    let lines = blocks.iter().flat_map(|(name, block)| markdown::commands(block).map(move |line| (name, line)));
+    for (readme, line) in lines {
         let Some(mut arguments) = arguments(line) else { continue };
         if !has_clip && arguments.iter().any(|argument| argument.ends_with(".mp4")) {
             skipped(&format!("`{line}` of {readme}"), "no ffmpeg");
@@ -116,7 +105,7 @@ fn the_commands_of_the_readmes_run_as_they_stand() {
             continue;
         }
         let mut command = Command::new(PROGRAM);
-        // Shortens the run: `.ci/run` checks all frames.
+        // Shortens the run: `.ci/reference` checks all frames.
         if arguments[0] == "check" || arguments.contains(&"street") {
             arguments.extend(["--frames", "..4"]);
         }
@@ -129,11 +118,7 @@ fn the_commands_of_the_readmes_run_as_they_stand() {
 
 #[test]
 fn every_line_that_is_not_run_is_still_in_a_readme() {
-    let readmes = concat!(
-        include_str!("../../README.md"),
-        include_str!("../../host-sim/README.md"),
-        include_str!("../../core/examples/README.md")
-    );
+    let readmes = READMES.map(|(_, text)| text).concat();
     for (beginning, _) in NOT_RUN {
         assert!(readmes.contains(&format!("\n{beginning}")), "{beginning}");
     }

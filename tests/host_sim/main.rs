@@ -1,6 +1,8 @@
 //! Runs the program host-sim as users do. All tests are in one test program, so that they run in parallel.
 
 mod browser;
+#[path = "../markdown.rs"]
+mod markdown;
 #[path = "../missing.rs"]
 mod missing;
 mod program;

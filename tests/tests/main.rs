@@ -3,6 +3,8 @@
 mod conformance;
 mod documents;
 mod languages;
+#[path = "../markdown.rs"]
+mod markdown;
 #[path = "../missing.rs"]
 mod missing;
 mod module_order;

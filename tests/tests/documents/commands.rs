@@ -1,27 +1,26 @@
 //! Checks that the commands in `core/EVIDENCE.md` and in other documents for maintainers can be run. The packages, test
 //! programs, features, tests and scripts that they name must exist, and host-sim must accept the options given to it.
+//! `host_sim/documents.rs` runs the commands of documents for users.
 
+use super::root;
+use crate::markdown;
 use clap::CommandFactory;
 use clap::error::ErrorKind;
 use host_sim::command::HostSim;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENTS: [&str; 5] =
-    ["core/EVIDENCE.md", "core/README.md", "host-sim/RESULTS.md", "host-sim/FAULTS.md", "tests/README.md"];
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
+const DOCUMENTS: [&str; 6] = [
+    "CONTRIBUTING.md",
+    "core/EVIDENCE.md",
+    "core/README.md",
+    "host-sim/RESULTS.md",
+    "host-sim/FAULTS.md",
+    "tests/README.md",
+];
 
 fn commands(text: &str) -> Vec<&str> {
-    let mut is_block = false;
-    let parts = text.lines().flat_map(|line| {
-        is_block ^= line.starts_with("```");
-        let whole = (is_block || line.starts_with("    ")).then_some(line);
-        let inner = line.split('`').skip(1).step_by(2);
-        inner.chain(whole).map(|part| part.split("  #").next().unwrap_or(part).trim())
-    });
+    let parts = markdown::code(text).map(|part| part.split("  #").next().unwrap_or(part).trim());
     let begins = ["cargo test ", "host-sim ", ".ci/", "FUZZ_"];
     parts.filter(|part| begins.iter().any(|begin| part.starts_with(begin)) && !part.contains("...")).collect()
 }

@@ -1,13 +1,7 @@
-//! Checks that the README has at most 900 words, and that the READMEs' Rust examples work (`build.rs` extracts them).
-//! Their C examples are compiled and run by `.ci/c`, their commands by `../../host_sim/documents.rs`.
+//! Compiles and runs the READMEs' Rust examples (`build.rs` extracts them). `.ci/c` does so with their C examples,
+//! `core/python/tests/test_readme.py` with those of Python, `.ci/micropython` with those of MicroPython.
 
 #![allow(elided_lifetimes_in_paths, reason = "the examples are written as most people write Rust")]
-
-#[test]
-fn the_readme_has_at_most_900_words() {
-    let words = include_str!("../../../README.md").split_whitespace().count();
-    assert!(words <= 900, "README.md has {words} words");
-}
 
 /// Draws the target of the examples: 40x48 pixels at 150,100 in the first picture (320x240), two pixels further right
 /// in each next one.

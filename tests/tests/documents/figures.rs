@@ -1,10 +1,10 @@
 //! Checks that the figures (numbers) in documents equal the values in code, scripts and files of measurements.
 //! `SMR_RECORD=1 cargo test -p smr-tests figures` writes these values into the documents.
 
+use super::root;
 use smr_core::robust::Config;
 use std::fs;
 use std::ops::Range;
-use std::path::PathBuf;
 
 /// A document, its sentences with `{}` in place of each figure, and the right figures for each sentence.
 struct Document {
@@ -143,7 +143,7 @@ fn documents() -> Vec<Document> {
 #[test]
 fn documents_have_the_figures_of_code_and_records() {
     for Document { name, sentences } in documents() {
-        let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "..", name].iter().collect();
+        let path = root().join(name);
         let text = fs::read_to_string(&path).unwrap();
         let right =
             sentences.iter().fold(text.clone(), |text, (sentence, figures)| written(name, &text, sentence, figures));
