@@ -6,13 +6,13 @@
 
 use super::matrix::{self, Case, Intervention, Measured, Progress, Protocol, Record, Recording};
 use super::table::{Column, Table, TableName, Tables};
-use super::{MethodKind, Origin, Run, Trajectory, Variant, name_of};
+use super::{MethodKind, Origin, Run, Variant, name_of};
 use anyhow::{Result, ensure};
 use serde_json::Value;
 use smr_core::{Rect, State};
-use smr_recordings::Sequence;
 use smr_recordings::away::Away;
 use smr_recordings::fault::Fault;
+use smr_recordings::{Sequence, Trajectory};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 

@@ -29,7 +29,7 @@ pub use otb::{Curves, FARTHEST, NEAR, Otb, STEPS, centre_errors};
 pub use refused::Refused;
 pub use result_file::{ResultFile, result_files};
 pub use run::{Follower, Run, lock};
-pub use score::{CORRECT, Score, Trajectory, overlaps};
+pub use score::{CORRECT, Score, overlaps};
 pub use table::{Layout, TableName, Tables};
 pub use variant::{Configs, Origin, Variant};
 pub use vot::Vot;

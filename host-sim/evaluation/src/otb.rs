@@ -7,9 +7,8 @@
 //!
 //! A frame without an answer passes no threshold. IoU is never above 1, so a perfect tracker has an AUC of 20/21.
 
-use super::Trajectory;
 use super::means::means;
-use smr_recordings::BoundingBox;
+use smr_recordings::{BoundingBox, Trajectory};
 
 /// Number of intervals between thresholds of the success curve, which has one point more.
 pub const STEPS: usize = 20;

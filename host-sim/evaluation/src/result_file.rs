@@ -1,9 +1,9 @@
 //! Result files of other trackers, which are scored and shown beside the trackers run here.
 
-use super::{Score, Trajectory};
+use super::Score;
 use anyhow::{Context, Result};
 use smr_recordings::boxes::Form;
-use smr_recordings::{BoundingBox, FrameRange, RESULTS};
+use smr_recordings::{BoundingBox, FrameRange, RESULTS, Trajectory};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 

@@ -1,10 +1,10 @@
 //! A run: the answers of one tracker in one recording, from which scores and tables are computed.
 
 use super::method::{Method, MethodAnswer};
-use super::{CORRECT, Refused, Trajectory, Variant};
+use super::{CORRECT, Refused, Variant};
 use anyhow::{Context, Result};
 use smr_core::{Frame, Quality, Rect, State};
-use smr_recordings::{BoundingBox, GrayFrame, Target};
+use smr_recordings::{BoundingBox, GrayFrame, Target, Trajectory};
 use std::time::{Duration, Instant};
 
 /// A tracker that follows one target: locks on the first box, locks again on each correction, and updates in all other

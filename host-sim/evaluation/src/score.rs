@@ -6,10 +6,7 @@ use super::vot::Vot;
 use anyhow::{Result, ensure};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
-use smr_recordings::BoundingBox;
-
-/// Boxes of a target, one entry per frame: ground truth (`None`: not visible) or answers (`None`: no answer).
-pub type Trajectory = [Option<BoundingBox>];
+use smr_recordings::{BoundingBox, Trajectory};
 
 /// Intersection over union of answer and truth above which a frame is correct.
 pub const CORRECT: f64 = 0.25;

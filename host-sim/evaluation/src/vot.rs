@@ -10,7 +10,7 @@
 //! The threshold is the reported confidence at which F of the recording is largest. An answer without a confidence, or
 //! the box given to the tracker, has confidence 1, so it counts at every threshold.
 
-use super::Trajectory;
+use smr_recordings::Trajectory;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vot {

@@ -14,6 +14,9 @@ pub struct BoundingBox {
     pub height: f64,
 }
 
+/// Boxes of a target, one entry per frame: ground truth (`None`: not visible) or answers (`None`: no answer).
+pub type Trajectory = [Option<BoundingBox>];
+
 impl BoundingBox {
     /// Rounds each of the four values; `None` if no pixel remains, or a [`Rect`] cannot hold the box.
     pub fn to_rect(&self) -> Option<Rect> {

@@ -31,7 +31,7 @@ mod source;
 
 pub use annotations::boxes;
 pub use annotations::start::{Start, Target, check_gone, checked_name};
-pub use bounding_box::BoundingBox;
+pub use bounding_box::{BoundingBox, Trajectory};
 pub use built_in::{BUILT_IN, CHECKED, SLOW, slow, street, synthetic};
 pub use damage::Damaged;
 pub use disturb::{away, cover, fault};

@@ -1,10 +1,11 @@
 //! Aggregates the figures of runs: means of a recording over its starts, and means over recordings.
 
 use crate::table::Column;
-use crate::{CORRECT, Run, Score, Trajectory, overlaps};
+use crate::{CORRECT, Run, Score, overlaps};
 use anyhow::Result;
 use serde_json::Value;
 use smr_core::State;
+use smr_recordings::Trajectory;
 use std::time::Duration;
 
 #[derive(Clone, Debug, Default, PartialEq)]
