@@ -31,7 +31,7 @@
 //! the only list of their modules, of which each re-exports the plain loops that it does not accelerate. `detect.rs`
 //! detects which the processor supports. The other kernels are selected at compile time: `native.rs`.
 //!
-//! `generic.rs` has the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait; the file of
+//! `generic` has the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait; the file of
 //! an instruction set defines its vector and its table lookup. The loops in `arm/` are assembly. `scores.rs` defines
 //! the trait of score kernels, `rows.rs` row addresses. `three_sums.rs` saves multiplications, `unrolling.rs` flash.
 //!
