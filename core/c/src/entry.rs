@@ -112,6 +112,15 @@ impl smr_entry {
     }
 }
 
+/// Begins an entry in place, with fields of 0: a copy on the stack would be as large as both configurations.
+fn begun(of: &mut MaybeUninit<smr_entry>, kind: smr_entry_kind) -> &mut smr_entry {
+    *of = MaybeUninit::zeroed();
+    // SAFETY: zeroes are the first kind, a NULL pointer, numbers of 0 and the first state.
+    let entry = unsafe { of.assume_init_mut() };
+    entry.kind = kind;
+    entry
+}
+
 /// Converts an entry to its struct in C. Writes nothing if it fails.
 #[inline(never)] // keeps its stack out of that of the reader
 fn fill(of: &mut MaybeUninit<smr_entry>, entry: &Entry<'_>) -> Result<(), smr_status> {
@@ -119,32 +128,32 @@ fn fill(of: &mut MaybeUninit<smr_entry>, entry: &Entry<'_>) -> Result<(), smr_st
     match *entry {
         Entry::Begin(begin) if begin.tracker == Robust::TRACKER => {
             let config = begin.config(&robust::Config::robust()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
-            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_BEGIN));
+            let of = begun(of, Kind::SMR_ENTRY_BEGIN);
             (of.is_robust, of.robust) = (1, (&config).into());
         }
         Entry::Begin(begin) => {
             let config = begin.config(&paper::Config::paper()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
-            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_BEGIN));
+            let of = begun(of, Kind::SMR_ENTRY_BEGIN);
             of.paper = (&config).into();
         }
         Entry::Lock { ref frame, window, bbox } => {
-            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_LOCK));
+            let of = begun(of, Kind::SMR_ENTRY_LOCK);
             (of.frame, of.bbox) = (smr_frame::of(frame, [Some(window), None]), bbox.into());
         }
         Entry::Moved { right, down } => {
-            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_MOVED));
+            let of = begun(of, Kind::SMR_ENTRY_MOVED);
             (of.right, of.down) = (right, down);
         }
         Entry::Window { ref frame, window, sweep } => {
-            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_WINDOW));
+            let of = begun(of, Kind::SMR_ENTRY_WINDOW);
             of.frame = smr_frame::of(frame, [Some(window), sweep]);
         }
         Entry::Answer(answer) => {
-            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_ANSWER));
+            let of = begun(of, Kind::SMR_ENTRY_ANSWER);
             of.answer = answer.into();
         }
         Entry::Restored(saved) => {
-            let of = of.write(smr_entry::of(Kind::SMR_ENTRY_RESTORED));
+            let of = begun(of, Kind::SMR_ENTRY_RESTORED);
             (of.saved, of.saved_size) = (saved.as_ptr(), saved.len());
         }
     }
