@@ -615,10 +615,11 @@ static void at_rest(void)
     smr_tracker *tracker = locked_tracker();
     smr_frame frame = good_frame();
     smr_answer answer;
+    size_t size = 0;
     EXPECT(smr_save(tracker, former, sizeof former, &former_size), SMR_OK);
     wrong_calls(tracker, &frame, 1, ALL);
-    EXPECT(smr_save(tracker, bytes, sizeof bytes, &former_size), SMR_OK);
-    HOLD(memcmp(bytes, former, former_size) == 0);
+    EXPECT(smr_save(tracker, bytes, sizeof bytes, &size), SMR_OK);
+    HOLD(size == former_size && memcmp(bytes, former, size) == 0);
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
 }
 
