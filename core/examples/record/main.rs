@@ -17,7 +17,6 @@
 mod host_file;
 #[cfg(target_os = "none")]
 #[allow(dead_code)] // this firmware does not measure the stack
-#[path = "../../../tests/chip/replay/measure.rs"]
 mod measure;
 
 #[cfg(target_os = "none")]
@@ -60,7 +59,7 @@ mod firmware {
         };
         let done = follow::<Small>("paper", config, FRAME, &mut timer, &mut to_file)
             .and_then(|()| follow::<Robust>("robust", robust::Config::robust(), FRAME, &mut timer, &mut to_file))
-            .and_then(|()| follow::<Small>("smr, to the log", config, FRAME, &mut timer, to_log));
+            .and_then(|()| follow::<Small>("paper, to the log", config, FRAME, &mut timer, to_log));
         match done {
             Ok(()) => exit(0),
             Err(what) => {

@@ -7,7 +7,7 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-#[path = "../replay/measure.rs"]
+#[path = "../../../core/examples/record/measure.rs"]
 #[allow(dead_code)] // this firmware does not measure the stack
 mod measure;
 #[cfg(target_os = "none")]

@@ -31,6 +31,7 @@ mod firmware;
 #[path = "../../../core/examples/record/host_file.rs"]
 mod host_file;
 #[cfg(all(target_os = "none", target_arch = "arm"))]
+#[path = "../../../core/examples/record/measure.rs"]
 mod measure;
 #[cfg(all(target_os = "none", target_arch = "riscv32"))]
 #[path = "riscv.rs"]
