@@ -75,7 +75,9 @@ impl Former {
             }
             anyhow!("{name}: line {}: expected {} in this version", error.line(), KIND.expected)
         })?;
-        let recordings = tables.rows();
+        let mut recordings = tables.rows();
+        // The name of the paper tracker in files of earlier versions.
+        recordings.iter_mut().filter(|row| row.tracker == "smr").for_each(|row| row.tracker = "paper".to_owned());
         ensure!(!recordings.is_empty(), "{name}: there is no recording in it");
         Ok(Self { name, recordings })
     }
