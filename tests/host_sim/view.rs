@@ -361,7 +361,9 @@ fn a_box_behind_the_end_is_said() {
             viewer.wait("the message", |news| news["said"] == line);
             viewer.followed();
             let said = fs::read_to_string(&said).unwrap();
-            assert_eq!(said.lines().last(), Some(&*format!("warning: film: {line}")), "{given:?}");
+            let (note, warning) = said.split_at(said.find("warning: ").unwrap());
+            assert_eq!(warning, format!("warning: film: {line}\n"), "{given:?}");
+            assert_eq!(!note.is_empty(), given[0] == "--session", "{note}");
             assert_eq!(viewer.text("boxes?format=tld").lines().count(), 20);
         }
     }

@@ -30,8 +30,10 @@ const ORDER: &[&str] = &[
     "",
 ];
 
-const CRATES: [&str; 8] = [
+const CRATES: [&str; 10] = [
     "core",
+    "core/c",
+    "core/python",
     "host-sim",
     "host-sim/files",
     "host-sim/scene",
@@ -201,6 +203,16 @@ fn circles(imports: &Imports) -> BTreeSet<Vec<&str>> {
     let meets = |name: &str, other: &str| reach.get(other).is_some_and(|reached| reached.contains(name));
     let circle = |name: &str| reach[name].iter().copied().filter(|other| meets(name, other)).collect::<Vec<_>>();
     imports.keys().map(|name| circle(name)).filter(|circle| !circle.is_empty()).collect()
+}
+
+#[test]
+fn a_circle_is_found() {
+    let imports_of = |names: &str| names.chars().map(String::from).collect();
+    let imports = [("a", "b"), ("b", "c"), ("c", "bd"), ("d", "")];
+    let imports: Imports = imports.map(|(name, names)| (name.to_owned(), imports_of(names))).into();
+    assert_eq!(circles(&imports), BTreeSet::from([vec!["b", "c"]]));
+    let source = Source::new("//! A head.\n\nuse super::other::{self, Name};\npub use crate::third::Name;\n");
+    assert_eq!((source.imports.len(), source.exports.len()), (2, 1), "{:?} {:?}", source.imports, source.exports);
 }
 
 #[test]

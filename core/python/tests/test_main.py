@@ -17,7 +17,7 @@ def lines(text):
     return [json.loads(line) for line in text.splitlines()]
 
 
-@pytest.mark.parametrize("options, method", [([], ["robust"]), (["--paper"], ["smr", "--config", "camera"])])
+@pytest.mark.parametrize("options, method", [([], ["robust"]), (["--paper"], ["paper", "--config", "camera"])])
 def test_json_lines_are_those_of_host_sim(track, options, method):
     expected = [{key: line[key] for key in KEYS} for line in track("synthetic", "--method", *method)]
     assert any(line["state"] == "lost" for line in expected) or method == ["robust"]

@@ -118,7 +118,7 @@ def test_answers_are_those_of_host_sim(track, tmp_path, way, change, region):
 
 def test_a_target_that_the_paper_loses_stays_where_it_was_seen_last(track, tmp_path):
     found = session([*OWN, "--paper"], as_images("memory", frames(200), None), [rectangle()])
-    assert are_those(found, tracked(track, frames(200), ["36,24,24,28"], tmp_path / "pictures", "--method", "smr", "--config", "camera"))
+    assert are_those(found, tracked(track, frames(200), ["36,24,24,28"], tmp_path / "pictures", "--method", "paper", "--config", "camera"))
     confidences = [float(answer[4]) for [answer] in found]
     lost = confidences.index(0.0)
     assert found[lost][0][:4] == found[lost - 1][0][:4]

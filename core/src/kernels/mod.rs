@@ -1,7 +1,7 @@
 //! The inner loops (kernels) of both trackers. All `unsafe` code of the crate is here.
 //!
 //! The plain loops in `plain/` are the specification. Every other version returns the same integers; only an upper
-//! bound of a score may be looser. `check.rs` compares them.
+//! bound of a score may be looser. `check` compares them.
 //!
 //! | folder or file | instruction set | used when | tested |
 //! |---|---|---|---|

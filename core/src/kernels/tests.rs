@@ -1,4 +1,4 @@
-//! Runs the comparisons of `check.rs` for each backend of the host, at the edge of inaccessible memory.
+//! Runs the comparisons of `check` for each backend of the host, at the edge of inaccessible memory.
 
 use super::backend::Backend;
 use super::check;

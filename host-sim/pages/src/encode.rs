@@ -124,7 +124,7 @@ mod tests {
     use smr_recordings::{decode_colors, decode_image};
 
     #[test]
-    fn a_image_reads_back() {
+    fn an_image_reads_back() {
         let color = |level: u8| [[0, 0, 0], [255, 0, 0], [0, 0, 255]][usize::from(level)];
         let levels = [0, 1, 2, 2, 1, 0];
         let frame = GrayFrame { width: 3, height: 2, pixels: levels.to_vec() };

@@ -102,9 +102,19 @@ fn refusal(command: &str, packages: &[(PathBuf, String)]) -> Result<(), String> 
             }
             _ => Ok(()),
         },
+        [".ci/run", step, ..] if !is_step(step) => Err(format!(".ci/run has no step {step}")),
         [script, ..] if root().join(script).is_file() => Ok(()),
         _ => Err("there is no such script".to_owned()),
     }
+}
+
+/// True for a tier, a target of the Makefile or a script beside it.
+fn is_step(name: &str) -> bool {
+    let steps = fs::read_to_string(root().join(".ci/Makefile")).unwrap();
+    ["quick", "default", "nightly"].contains(&name.trim_matches(['[', ']']))
+        || name.starts_with(|letter: char| !letter.is_lowercase())
+        || steps.lines().any(|line| line.starts_with(&format!("{name}: ##")))
+        || root().join(".ci").join(name).is_file()
 }
 
 #[test]
