@@ -13,11 +13,11 @@ mod command_line;
 mod documents;
 #[cfg(unix)]
 mod endurance;
+mod environment;
+mod exported_videos;
 mod ffmpeg;
 mod figures;
 mod live;
-mod page;
 mod replay;
-mod session;
-mod targets;
+mod report;
 mod view;

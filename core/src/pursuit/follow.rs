@@ -1,8 +1,8 @@
 //! The pursuit frame by frame, from the tracker's answer to the servos' pulses, and its configuration.
 
+use super::axis::{Axis, Joint, Servo};
 use super::camera::Camera;
 use super::error::{FollowError, PursuitConfigError, PursuitError, first_broken};
-use super::head::{Axis, Joint, Servo};
 use crate::image::Frame;
 use crate::track::{Answer, State, Target, Tracker};
 use core::fmt;

@@ -57,15 +57,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod axis;
 mod camera;
 mod error;
 mod follow;
-mod head;
 
+pub use axis::{Axis, Servo};
 pub use camera::Camera;
 pub use error::{FollowError, PursuitConfigError, PursuitError};
 pub use follow::{Command, Commanded, Followed, Pursuit, PursuitConfig};
-pub use head::{Axis, Servo};
 
 #[cfg(test)]
 mod tests;

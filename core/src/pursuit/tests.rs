@@ -1,5 +1,5 @@
+use super::axis::{Axis, Servo};
 use super::error::PursuitConfigError::{self, *};
-use super::head::{Axis, Servo};
 use super::*;
 use crate::{Answer, FineRect, Frame, Image, Paper, Rect, Robust, State, Target, Tracker, UpdateError, paper, robust};
 use core::f32::consts::TAU;

@@ -6,8 +6,8 @@
 pub mod annotations;
 mod bounding_box;
 mod built_in;
+mod checked_frames;
 mod color;
-mod damage;
 mod disturb;
 mod ffmpeg;
 mod find;
@@ -33,7 +33,7 @@ pub use annotations::boxes;
 pub use annotations::start::{Start, Target, check_gone, checked_name};
 pub use bounding_box::{BoundingBox, Trajectory};
 pub use built_in::{BUILT_IN, CHECKED, SLOW, slow, street, synthetic};
-pub use damage::Damaged;
+pub use checked_frames::Damaged;
 pub use disturb::{away, cover, fault};
 pub use ffmpeg::{Arrivals, Live, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, is_live, silent};
 pub use find::recordings;

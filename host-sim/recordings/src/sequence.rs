@@ -1,7 +1,7 @@
 //! A recording as it is read: its frames in order, and the boxes known about them.
 
 use crate::bounding_box::BoundingBox;
-use crate::damage;
+use crate::checked_frames;
 use crate::frame::{Frame, Frames};
 use crate::raster::GrayFrame;
 use crate::source::Source;
@@ -49,7 +49,7 @@ impl Sequence {
         // A pipe may not keep to the frame rate in its Y4M header, so times computed from that rate are dropped.
         let has_times = !matches!(source, Source::Once);
         let timed = move |frame: Frame| Frame { seconds: frame.seconds.filter(|_| has_times), ..frame };
-        let frames = damage::frames(frames.map(move |frame| frame.map(timed)), name.clone());
+        let frames = checked_frames::frames(frames.map(move |frame| frame.map(timed)), name.clone());
         Self { name, frames, length: None, first: 1, init: None, truth: None, source, notes: Vec::new() }
     }
 

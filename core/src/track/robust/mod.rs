@@ -32,7 +32,7 @@
 //!   answer        its state is the worse of those of confidence and opinion                   14.15 in all
 //! ```
 //!
-//! The figures are the most work of each stage in millions of units, without the refiner (`run/cost.rs`; a unit is
+//! The figures are the most work of each stage in millions of units, without the refiner (`run/most_work.rs`; a unit is
 //! about one instruction of a Cortex-M4). The sum is that of a frame with redetection instead of learning, and includes
 //! the coding of the weights.
 //!
@@ -59,7 +59,7 @@ mod filter;
 #[cfg(feature = "refiner")]
 mod refiner;
 #[cfg(not(feature = "refiner"))]
-#[path = "refiner/absent.rs"]
+#[path = "refiner/without_feature.rs"]
 mod refiner;
 mod run;
 pub(crate) mod target;

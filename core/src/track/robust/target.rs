@@ -4,7 +4,7 @@ use super::config::Config;
 use super::constants::SCALE;
 #[cfg(feature = "unstable")]
 use super::constants::SPAN;
-use super::decision::{Memory, Track, saved};
+use super::decision::{Memory, Track, memory};
 use super::features::Grid;
 #[cfg(feature = "unstable")]
 use super::run::pipeline;
@@ -135,7 +135,7 @@ impl core::fmt::Debug for Robust {
 impl Target for Robust {
     type Config = Config;
 
-    const SAVED_SIZE: usize = saved::SAVED_SIZE;
+    const SAVED_SIZE: usize = memory::SAVED_SIZE;
 
     /// Upper bounds of the work, the same for every box: see [`Config::most_work`].
     fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
@@ -207,7 +207,7 @@ impl Target for Robust {
     }
 
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
-        saved::reader(Self::configured(&self.config), bytes).map(drop).map_err(Refusal::named::<Config>)
+        memory::reader(Self::configured(&self.config), bytes).map(drop).map_err(Refusal::named::<Config>)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Runs tracking methods through a recording. The result, a film, has their answers in every frame and some images.
 
+use super::observation::{self, Observation, ObservedTracker};
 use super::player_frames::Images;
-use super::search::{self, Observation, ObservedTracker};
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 use smr_core::{Rect, State};
@@ -138,7 +138,7 @@ pub fn watch(sequence: Sequence, what: Watch<'_>, progress: impl Fn()) -> Result
             let report = follower.step(index + first, &frame);
             let report = report.with_context(|| format!("{name}: {}", variant.name))?;
             let begun = report.zip(follower.method.observation.take());
-            Ok(begun.unwrap_or_else(|| search::not_begun(targets[*target].start())))
+            Ok(begun.unwrap_or_else(|| observation::not_begun(targets[*target].start())))
         };
         let looks: Result<Vec<(MethodAnswer, Observation)>> = pairs.iter_mut().map(look).collect();
         let (reports, observations): (Vec<MethodAnswer>, Vec<Observation>) = looks?.into_iter().unzip();

@@ -3,11 +3,11 @@
 mod difference;
 pub mod figures;
 mod film;
+mod observation;
 mod page;
 mod page_data;
 mod player_frames;
 mod scores;
-mod search;
 mod trackers;
 
 pub use film::{FilmedRecording, Refusal, Watch, watch};

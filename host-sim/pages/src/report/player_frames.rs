@@ -1,7 +1,7 @@
 //! Small images of frames for the report's player, in a limited number of bytes: they get smaller, then fewer.
 
 use super::difference::{BARS, differences, patch};
-use super::search::{Observation, Search};
+use super::observation::{Observation, Search};
 use crate::encode::{self, base64, rounded};
 use anyhow::Result;
 use serde_json::{Value, json};

@@ -14,21 +14,21 @@
 mod answers;
 mod camera;
 mod frame_cache;
-mod made;
 mod model;
+mod ordered_files;
 mod recording;
 mod routes;
-#[cfg(test)]
-mod running;
 mod server;
 mod session;
 mod source;
+#[cfg(test)]
+mod test_viewer;
 mod thread;
 
 pub use answers::{AnsweredFrame, Followed};
 pub use camera::Camera;
-pub use made::{Job, Made};
 pub use model::{Lock, Target, check_inside};
+pub use ordered_files::{Job, Made};
 pub use recording::Growing;
 pub use routes::{Requests, Viewer};
 pub use server::Server;

@@ -1,8 +1,8 @@
 //! HTTP routes of the viewer: the page, its modules, frames, news, and the user's requests.
 
 use super::answers::{AnsweredFrame, Changes, Followed};
-use super::made::{Job, Made};
 use super::model::{Lock, Target, TargetSpan, check_inside};
+use super::ordered_files::{Job, Made};
 use super::server::{Reply, Request, Server};
 use super::session::Session;
 use super::source::{Known, Source};

@@ -8,13 +8,13 @@
 mod decoder;
 mod facts;
 mod index;
+mod last_whole_image;
 mod live;
 mod matroska;
 mod nut;
 mod packets;
 mod process;
 mod reading;
-mod search;
 #[cfg(test)]
 mod tests;
 mod tones;

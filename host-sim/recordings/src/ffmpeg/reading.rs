@@ -5,9 +5,9 @@
 
 use super::decoder::{Decoder, End, Image, Part, Use};
 use super::facts::{EXPECTED, Facts, Video};
+use super::last_whole_image::{self, List, Whole};
 use super::process::Input;
-use super::search::{self, List, Whole};
-use crate::damage::damaged;
+use crate::checked_frames::damaged;
 use anyhow::{Context, Error, Result, anyhow};
 use std::path::Path;
 use std::time::Duration;
@@ -151,7 +151,7 @@ impl Reading {
     /// Searches the last whole image, and goes on up to it. Before a doubt, `decoded` images were decoded.
     fn doubt_after(&mut self, decoded: usize, words: String) -> Result<()> {
         let is_file = self.video.input.file.is_file();
-        let found = if is_file { search::whole(&self.video, decoded)? } else { Whole::unknown(decoded) };
+        let found = if is_file { last_whole_image::whole(&self.video, decoded)? } else { Whole::unknown(decoded) };
         let whole = found.images.saturating_sub(MARGIN);
         let advised = whole.saturating_sub(found.spread);
         self.doubt = Some(Doubt { whole, advised, words });

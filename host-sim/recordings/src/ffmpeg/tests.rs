@@ -1,5 +1,5 @@
 use crate::built_in::synthetic;
-use crate::damage::Damaged;
+use crate::checked_frames::Damaged;
 use crate::fixtures::{ffmpeg, folder, open_plain, read, reads};
 use crate::missing::has_ffmpeg;
 use crate::open::OpenOptions;

@@ -4,7 +4,7 @@
 //! integers: `(19595 R + 38470 G + 7471 B + 32768) >> 16`. Exif orientation turns images upright.
 
 use super::{jpeg, pnm};
-use crate::damage::damaged;
+use crate::checked_frames::damaged;
 use crate::formats::names::has_extension;
 use crate::formats::to_gray::{CONVERT, EXPECTED, Levels, Samples, check_size, orientation, several, unread};
 use crate::frame::Frame;

@@ -1,6 +1,6 @@
 //! Decodes JPEG images with zune-jpeg, up to the end marker; a video clip or a preview may follow the marker.
 
-use crate::damage::damaged;
+use crate::checked_frames::damaged;
 use crate::formats::to_gray::{EXIF, EXPECTED, Samples, check_size, orientation, several, unread};
 use anyhow::{Context, Result, anyhow, ensure};
 use zune_jpeg::zune_core::bytestream::ZCursor;

@@ -1,6 +1,6 @@
 //! Decodes PGM, PPM and PAM images: P2, P3, P5, P6 and P7 with 8 or 16 bits per value.
 
-use crate::damage::damaged;
+use crate::checked_frames::damaged;
 use crate::formats::to_gray::{EXPECTED, Samples, check_size, several};
 use anyhow::{Error, Result, ensure};
 

@@ -1,6 +1,6 @@
 //! A raw dump as a recording: 8-bit gray pixels, row after row, frame after frame, as cameras and scripts write them.
 
-use crate::damage::damaged;
+use crate::checked_frames::damaged;
 use crate::formats::names::has_extension;
 use crate::frame::Frame;
 use crate::raster::{GrayFrame, MAX_PIXELS};

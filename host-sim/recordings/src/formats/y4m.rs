@@ -1,6 +1,6 @@
 //! YUV4MPEG2 (`.y4m`) as a recording or a live source: the luma plane is the gray image, byte for byte.
 
-use crate::damage::damaged;
+use crate::checked_frames::damaged;
 use crate::formats::names::has_extension;
 use crate::frame::Frame;
 use crate::planes::{Chroma, Planes};

@@ -3,12 +3,12 @@
 
 mod confidence;
 mod giving_up;
+pub(super) mod memory;
 mod redetection;
-pub(super) mod saved;
 mod track;
 
 pub(super) use confidence::{Confidence, Evidence};
 pub(super) use giving_up::Doubt;
+pub(super) use memory::Memory;
 pub(super) use redetection::Sweep;
-pub(super) use saved::Memory;
 pub(super) use track::Track;

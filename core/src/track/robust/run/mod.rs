@@ -2,9 +2,9 @@
 //! inputs (`inputs`, `windows`), their scratch memory (`buffers`) and the upper bounds of their work (`cost`).
 
 mod buffers;
-mod cost;
 mod inputs;
 mod lock;
+mod most_work;
 pub(super) mod pipeline;
 mod windows;
 

@@ -15,7 +15,7 @@
 use super::super::config::Config;
 use super::super::constants::{CELL, MARGIN, MAX_PIXELS, MAX_SIDE};
 use super::super::features::{Extent, Grid, Lattice, Place, SAMPLED, Sampling, most_read};
-use super::alignment::{ALIGNMENTS, Alignment, Alignments, in_view};
+use super::coarse_alignment::{ALIGNMENTS, Alignment, Alignments, in_view};
 use super::lighting::{self, Light};
 use super::template::Template;
 use crate::image::{Frame, Image, Rect};

@@ -2,13 +2,13 @@
 //! `agreement` tile by tile, and finds the target's exact place and size (`refinement`).
 
 pub(super) mod agreement;
-mod alignment;
+mod coarse_alignment;
 pub(super) mod lighting;
 mod refinement;
 mod template;
 
 pub(super) use agreement::{COPIED, Candidate, Comparison, Early, Verification, Verified};
-pub(super) use alignment::Alignment;
+pub(super) use coarse_alignment::Alignment;
 pub(super) use lighting::{Light, measuring, window_contrast};
 pub(super) use refinement::{REFINED, Refined, refine};
 pub(super) use template::Template;

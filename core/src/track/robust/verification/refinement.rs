@@ -19,7 +19,7 @@
 use super::super::arithmetic::quotient;
 use super::super::features::row_of;
 use super::agreement::REFINED_FROM;
-use super::alignment::Alignment;
+use super::coarse_alignment::Alignment;
 use crate::image::Image;
 use crate::kernels::rolled;
 

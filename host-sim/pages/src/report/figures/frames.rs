@@ -1,7 +1,7 @@
 //! The frames of each figure: those in which the two methods differ, the target leaves, or is hidden.
 
 use crate::report::film::{FilmedRecording, Still};
-use crate::report::search::Search;
+use crate::report::observation::Search;
 use anyhow::{Context, Result, ensure};
 use smr_core::{Rect, State};
 use smr_evaluation::{CORRECT, MethodKind};

@@ -1,6 +1,6 @@
 use super::*;
 use crate::viewer::model::Lock;
-use crate::viewer::running::{FRAMES, Running, Scene, answered, expected, lock, target, variant};
+use crate::viewer::test_viewer::{FRAMES, Running, Scene, answered, expected, lock, target, variant};
 use smr_evaluation::MethodKind;
 use std::sync::atomic::Ordering;
 

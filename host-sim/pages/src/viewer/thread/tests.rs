@@ -1,4 +1,4 @@
-use crate::viewer::running::{FRAMES, Running, Scene, answered, expected, target, variant};
+use crate::viewer::test_viewer::{FRAMES, Running, Scene, answered, expected, target, variant};
 use smr_evaluation::MethodKind;
 use std::sync::atomic::Ordering;
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::damage::Damaged;
+use crate::checked_frames::Damaged;
 use crate::fixtures::{fits, folder, levels, message, read, reads};
 use crate::formats::to_gray;
 use crate::frame::Frames;
