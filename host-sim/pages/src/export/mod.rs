@@ -9,6 +9,7 @@ mod c_array;
 mod ffmpeg;
 mod matroska;
 mod overlay;
+mod read_back;
 mod sound;
 mod video;
 mod writer;

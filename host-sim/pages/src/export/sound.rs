@@ -2,7 +2,8 @@
 //!
 //! One pass for both would need `-shortest`, which cuts the sound by what the muxer has buffered, up to seconds.
 
-use super::ffmpeg::{Packets, Stream, Writing, check, command};
+use super::ffmpeg::{Writing, command};
+use super::read_back::{Packets, Stream, check};
 use anyhow::Result;
 use smr_recordings::ffmpeg_input;
 use std::path::{Path, PathBuf};

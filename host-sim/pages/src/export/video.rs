@@ -3,6 +3,7 @@
 use super::ffmpeg::{self, Encoder};
 use super::matroska;
 use super::overlay::Overlay;
+use super::read_back;
 use super::sound::{Added, Codec, Sound};
 use crate::encode::rgb_png;
 use anyhow::{Context, Result, bail};
@@ -154,7 +155,7 @@ fn ended(
             Added::Unreadable(why) => note = Some(why),
         }
     }
-    ffmpeg::check(images, frames, patience)?;
+    read_back::check(images, frames, patience)?;
     Ok((output, note))
 }
 
