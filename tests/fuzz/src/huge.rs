@@ -6,10 +6,10 @@ use arbitrary::{Result, Unstructured};
 use smr_core::{Frame, Image, Rect, Robust, Target, Tracker, robust::Config};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-const MAX: usize = u16::MAX as usize * u16::MAX as usize;
+const MAX_PIXELS: usize = u16::MAX as usize * u16::MAX as usize;
 
 /// Pixels of the frame, all zero between inputs. An input changes at most 32 pixels and sets them to zero at its end.
-static MEMORY: LazyLock<Mutex<Vec<u8>>> = LazyLock::new(|| Mutex::new(vec![0; MAX]));
+static MEMORY: LazyLock<Mutex<Vec<u8>>> = LazyLock::new(|| Mutex::new(vec![0; MAX_PIXELS]));
 
 pub(crate) fn run(bytes: &[u8]) -> Result<()> {
     let u = &mut Unstructured::new(bytes);

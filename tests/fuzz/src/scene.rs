@@ -5,7 +5,7 @@ use arbitrary::{Result, Unstructured};
 use smr_core::{Frame, Image, Rect};
 
 /// Largest number of pixels in a `Part`.
-const MAX: u32 = 1 << 16;
+const MAX_AREA: u32 = 1 << 16;
 
 pub(crate) const KINDS: u8 = 7;
 
@@ -100,7 +100,7 @@ impl Scene {
 
     /// Copies a rectangle of the scene into memory; `None` if it is empty, outside the frame, or too large.
     pub(crate) fn part(&self, rect: Rect, gap: usize) -> Option<Part> {
-        if rect.is_empty() || rect.area() > MAX || !self.bounds().contains(rect) {
+        if rect.is_empty() || rect.area() > MAX_AREA || !self.bounds().contains(rect) {
             return None;
         }
         let stride = usize::from(rect.width) + gap;

@@ -13,9 +13,9 @@ use crate::track::saved::Reader;
 use crate::track::{Answer, Settings, State};
 use core::{fmt, mem};
 
-/// `TABLE`: number of entries in a similarity table. `MAX`: maximum number of a configuration's other values.
+/// `TABLE`: number of entries in a similarity table. `MAX_NUMBERS`: maximum number of a configuration's other values.
 const TABLE: usize = 256;
-const MAX: usize = 32;
+const MAX_NUMBERS: usize = 32;
 /// The largest content of an `SMRB` in any version, in bytes.
 const MAX_BEGIN: usize = 640;
 /// The bytes of damaged entries that are checksummed for each byte of the record.
@@ -127,7 +127,7 @@ impl Begin<'_> {
         let mut tables = [&Table::PAPER, rest.table()].into_iter();
         let table = tables.find(|table| table.entries().iter().copied().eq(entries.clone()))?;
         numbers.nth(TABLE - 1)?;
-        let (mut all, count) = ([0; MAX], numbers.len());
+        let (mut all, count) = ([0; MAX_NUMBERS], numbers.len());
         all.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
         let found = C::of_numbers(table, all.get(..count)?).ok().filter(|_| self.tracker == C::KIND as u8)?;
         let mut config = *rest;

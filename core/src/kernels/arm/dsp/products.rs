@@ -20,7 +20,7 @@ use core::ops::Range;
 /// Bytes from a filter offset to the next one: the features of one cell, one byte each.
 const STEP: usize = CHANNELS;
 /// The shortest row that the assembly supports, in factors.
-const MIN: usize = 4;
+const MIN_FACTORS: usize = 4;
 const PAIRS: usize = STEP / 2;
 const WORD: usize = size_of::<i32>();
 
@@ -37,7 +37,7 @@ pub(crate) fn responses<const N: usize>(
     let Layout { row, stride, span, .. } = layout;
     let down = layout.checked_height(cells.len(), weights.len()).unwrap_or(0);
     let (pairs, width, of_row) = (PairedSizes::new(down, span), row / STEP + span.saturating_sub(1), row / 2);
-    let fits = down > 0 && row >= MIN * STEP && span <= N && out.len() >= span;
+    let fits = down > 0 && row >= MIN_FACTORS * STEP && span <= N && out.len() >= span;
     let room_for = width * PAIRS + pairs.both() * N;
     if !fits || room_for > PACKED / 2 || pairs.rows_of_factors() * of_row > spare.len() {
         return plain::responses(layout.all_rows_in_first_piece(pieces), room, spare, cells, layout, weights, out);
@@ -81,7 +81,7 @@ impl Rows for Unpacked {
     fn add(&mut self, number: usize, sums: &mut [i32]) {
         let Self { unpacked, width, of_row, .. } = *self;
         let factors = self.factors.wrapping_add(number * of_row);
-        // SAFETY: five rows of at least `MIN` factors begin here. At each offset they lie on five rows of `width`
+        // SAFETY: five rows of at least `MIN_FACTORS` factors begin here. At each offset they lie on five rows of `width`
         // numbers.
         unsafe { Slide { factors, count: of_row / PAIRS, numbers: unpacked, width, rows: PAIRS }.add(sums) };
     }
@@ -252,7 +252,7 @@ pub(crate) fn gather<const N: usize>(
     let (by_two, across) = (PairedSizes::new(span, down), row / STEP);
     let width = across + span.saturating_sub(1);
     let (factors, numbers) = room.words().split_at_mut_checked((by_two.rows_of(0) + 1) * span).unwrap_or_default();
-    let fits = down > 0 && span >= MIN && span <= N && errors.len() >= span;
+    let fits = down > 0 && span >= MIN_FACTORS && span <= N && errors.len() >= span;
     let has_room = (by_two.rows_of(0) + by_two.offsets_of(0)) / 2 * width <= numbers.len();
     let (true, Some(of_row)) = (fits && has_room, spare.get_mut(..across)) else {
         return plain::gather(layout.all_rows_in_first_piece(pieces), room, spare, cells, layout, errors, sums);
@@ -295,7 +295,7 @@ pub(crate) fn gather<const N: usize>(
             let factors = factors.as_ptr().wrapping_add(at % 2 * odd_rows * span);
             let numbers = numbers.wrapping_add(at / 2 * width);
             of_row.fill(0);
-            // SAFETY: each row has `span` factors, at least `MIN`, and `width` numbers under them at all `across`
+            // SAFETY: each row has `span` factors, at least `MIN_FACTORS`, and `width` numbers under them at all `across`
             // offsets.
             unsafe { Slide { factors, count: span, numbers, width, rows: (rows + 1 + at % 2) / 2 }.add(of_row) };
             let first = 2 * at + sum_of / 2;
@@ -316,7 +316,7 @@ impl Slide<i32> {
     ///
     /// # Safety
     /// `rows` rows of `count` factors can be read at `factors`, one after the other. Of as many rows at `numbers`,
-    /// `width` apart, `count + sums.len() - 1` numbers can be read. `count` is at least `MIN`, `rows` is not 0.
+    /// `width` apart, `count + sums.len() - 1` numbers can be read. `count` is at least `MIN_FACTORS`, `rows` is not 0.
     #[inline(never)]
     unsafe fn add(mut self, sums: &mut [i32]) {
         let (mut to, mut left) = (sums.as_mut_ptr(), sums.len());
@@ -352,7 +352,7 @@ macro_rules! slide {
         impl Slide<i32> {
             /// # Safety
             /// `rows` rows of `count` factors can be read at `factors`, one after the other. Of as many rows at
-            /// `numbers`, `width` apart, `count + n - 1` numbers can be read. `count` is at least `MIN`, `rows` is
+            /// `numbers`, `width` apart, `count + n - 1` numbers can be read. `count` is at least `MIN_FACTORS`, `rows` is
             /// not 0. n sums can be read and written at `sums`. All addresses are aligned.
             #[inline(never)]
             unsafe fn $name(&self, sums: *mut i32) -> usize {
@@ -392,7 +392,7 @@ macro_rules! slide {
                         inout("r5") WORD * width.wrapping_sub(count + $n - 1) => _,
                         inout("r8") factors.wrapping_add(rows * count) => _,
                         // The factor count less four: not negative, with the same two lowest bits.
-                        inout("r11") count.wrapping_sub(MIN) => _,
+                        inout("r11") count.wrapping_sub(MIN_FACTORS) => _,
                         inout("r12") factors => _,
                         inout("lr") numbers => _,
                         out("r1") _, out("r2") _, out("r3") _, out("r4") _, out("r9") _, out("r10") _,

@@ -13,7 +13,7 @@ use core::ops::Range;
 /// Bytes from a filter offset to the next one: the features of one cell, one byte each.
 const STEP: usize = CHANNELS;
 /// Maximum number of neighbouring sums that are computed at a time.
-const MAX: usize = 7;
+const MAX_SUMS: usize = 7;
 
 pub(crate) fn responses<const N: usize>(
     pieces: Range<usize>,
@@ -81,7 +81,7 @@ macro_rules! sums {
         /// At `weights`, `self.width` weights can be read in each of `down` rows, and at `cells` as many bytes at each
         /// of the offsets, which are `APART` bytes apart. Rows are as far apart as `self` states. Neither number is 0.
         #[inline(never)]
-        unsafe fn $name<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; MAX] {
+        unsafe fn $name<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; MAX_SUMS] {
             let ($first, $nine): (_, i32);
             $(let $sum;)*
             // SAFETY: the last vector of a row has as many lanes as weights are left. Nothing but the stack is written.
@@ -185,7 +185,7 @@ impl Rows {
         bytes: *const i8,
         errors: *const i16,
         apart: usize,
-        to: *mut [i32; MAX],
+        to: *mut [i32; MAX_SUMS],
     ) {
         let span = self.width;
         if span != 17 && span != 9 {
@@ -311,18 +311,18 @@ pub(crate) fn gather<const N: usize>(
     let width = stride / STEP;
     let count = |down: usize| (down + span - 2) * width + row / STEP + span - 1;
     let room_for = |&down: &usize| {
-        span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + MAX <= size_of_val(room)
+        span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + MAX_SUMS <= size_of_val(room)
     };
     let fitting = layout.checked_height(cells.len(), sums.len()).filter(room_for);
     let (of_cells, _) = sums.as_chunks_mut::<STEP>();
-    let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len() + MAX)) else {
+    let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len() + MAX_SUMS)) else {
         return plain::gather(layout.all_rows_in_first_piece(pieces), room, spare, cells, layout, errors, sums);
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
     // Computes six or seven sums at a time, whichever is faster: a block of seven costs 9/8 of a block of six.
     let across = row / STEP;
-    let block = if 9 * across.div_ceil(MAX) <= 8 * across.div_ceil(6) { MAX } else { 6 };
+    let block = if 9 * across.div_ceil(MAX_SUMS) <= 8 * across.div_ceil(6) { MAX_SUMS } else { 6 };
     for channel in pieces.start..pieces.end.min(STEP) {
         let plane = room.0.as_mut_ptr().cast::<i8>();
         // SAFETY: reads one byte of each cell under the filter. `checked_height` and `room_for` checked cells and room.
@@ -335,7 +335,7 @@ pub(crate) fn gather<const N: usize>(
                 // SAFETY: the errors lie on the copied bytes, or, beyond the last weight, on the room after them. Sums
                 // at such offsets are overwritten by those of the next row, or lie after all others.
                 unsafe {
-                    if block == MAX {
+                    if block == MAX_SUMS {
                         rows.errors_at::<N, 1>(from, errors.as_ptr().cast(), width, to);
                     } else {
                         rows.errors_at::<N, 0>(from, errors.as_ptr().cast(), width, to);

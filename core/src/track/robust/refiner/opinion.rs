@@ -14,7 +14,7 @@ use crate::track::State;
 use crate::track::saved::{Reader, Writer};
 
 /// The largest trust in a box, and so the largest opinion, which is the running mean of the trust: 3. Unit: 1/4096.
-const MAX: i32 = 3 << 12;
+const MAX_TRUST: i32 = 3 << 12;
 /// The opinion below which the target is *uncertain*: 1.19, as for expected errors of place and size of 0.12 box sides
 /// each. Unit: 1/4096.
 const UNCERTAIN_BELOW: i32 = 4864;
@@ -27,22 +27,22 @@ const LOST_BELOW: i32 = 3277;
 /// *uncertain*. Unit: 1/4096.
 const FOUND: i32 = 3328;
 
-/// The running mean of the trust, 0 to `MAX`.
+/// The running mean of the trust, 0 to `MAX_TRUST`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Opinion(i32);
 
 impl Opinion {
-    pub(crate) const BEST: Self = Self(MAX);
+    pub(crate) const BEST: Self = Self(MAX_TRUST);
 
     /// Updates the opinion by the expected errors of an estimate. `place` and `size` are the logarithms of these
     /// errors, with magnitudes below 2^28, in units of 1/4096.
     pub(crate) fn update(&mut self, [.., place, size]: Outputs) {
-        self.move_toward((-(place + size)).clamp(0, MAX));
+        self.move_toward((-(place + size)).clamp(0, MAX_TRUST));
     }
 
     /// Updates the opinion by an exact match of the early template.
     pub(crate) fn agree(&mut self) {
-        self.move_toward(MAX);
+        self.move_toward(MAX_TRUST);
     }
 
     fn move_toward(&mut self, trust: i32) {
@@ -76,7 +76,7 @@ impl Opinion {
     }
 
     pub(crate) fn read(from: &mut Reader<'_>) -> Option<Self> {
-        from.u16().map(|mean| Self(mean.into())).filter(|opinion| opinion.0 <= MAX)
+        from.u16().map(|mean| Self(mean.into())).filter(|opinion| opinion.0 <= MAX_TRUST)
     }
 }
 
@@ -88,11 +88,11 @@ mod tests {
     #[test]
     fn the_same_spreads_again_and_again_stay_within_bounds() {
         const LARGEST: i32 = 1 << 28;
-        for (spread, end) in [(LARGEST, 0), (0, 0), (-6000, 11_993), (-LARGEST, MAX)] {
+        for (spread, end) in [(LARGEST, 0), (0, 0), (-6000, 11_993), (-LARGEST, MAX_TRUST)] {
             let mut opinion = Opinion::BEST;
             for _ in 0..100 {
                 opinion.update([0, 0, 0, 0, spread, spread]);
-                assert!((0..=MAX).contains(&opinion.0));
+                assert!((0..=MAX_TRUST).contains(&opinion.0));
             }
             assert!((opinion.0 - end).abs() < 8, "{spread}: {opinion:?}");
         }
@@ -100,8 +100,8 @@ mod tests {
 
     #[test]
     fn states_begin_at_their_thresholds() {
-        let states =
-            [0, LOST_BELOW - 1, LOST_BELOW, UNCERTAIN_BELOW - 1, UNCERTAIN_BELOW, MAX].map(|of| Opinion(of).state());
+        let states = [0, LOST_BELOW - 1, LOST_BELOW, UNCERTAIN_BELOW - 1, UNCERTAIN_BELOW, MAX_TRUST]
+            .map(|of| Opinion(of).state());
         use State::{Lost, Tracking, Uncertain};
         assert_eq!(states, [Lost, Lost, Uncertain, Uncertain, Tracking, Tracking]);
     }
