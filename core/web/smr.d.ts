@@ -44,14 +44,14 @@ export type State = (typeof State)[keyof typeof State];
 /** The answer of an update. Ratios and the confidence are in units of 1/65535. */
 export interface Answer {
   box: Rect;
-  /** The same in 1/256 pixel. */
+  /** The box in units of 1/256 pixel. */
   fineBox: Rect;
   state: State;
-  /** How sure the tracker is of the box. */
+  /** The confidence in the box. */
   confidence: number;
-  /** How similar the target in the box is to the template. */
+  /** The similarity of the box to the template. */
   ratio: number;
-  /** Of the second best place; null if it was not searched. */
+  /** The ratio of the second best place; null if it was not searched. */
   runnerUpRatio: number | null;
   /** The paper's threshold in gray levels; null from the robust tracker. */
   alpha: number | null;
@@ -129,7 +129,7 @@ export interface RobustOptions {
   plainLoop?: boolean;
 }
 
-/** What a tracker cannot do. The message has the words of the library. */
+/** A call that a tracker cannot do. The message has the words of the library. */
 export declare class SmrError extends Error {
   name: "SmrError";
   /** The name of the status in smr.h: "SMR_ERROR_BOX_EMPTY" and so on. */
@@ -148,7 +148,7 @@ export declare class Tracker<Options = PaperOptions | RobustOptions> {
   readonly answer: Answer | null;
   /** The fine box and the state of the last answer, the lock or the saved target; null without a target. */
   readonly last: { fineBox: Rect; state: State } | null;
-  /** How distinct the target was at the lock, poor below POOR_QUALITY; null without a target. */
+  /** The quality of the target at the lock, poor below POOR_QUALITY; null without a target. */
   readonly quality: number | null;
   /** The pixels that the next update reads; null without a target. */
   readonly window: Rect | null;
@@ -176,7 +176,7 @@ export declare class Tracker<Options = PaperOptions | RobustOptions> {
   beginRecord(): void;
   /** Gives the memory back. Later calls throw. */
   free(): void;
-  /** The same, for `using`. */
+  /** Gives the memory back at the end of a block with `using`. */
   [Symbol.dispose](): void;
   readonly [Symbol.toStringTag]: string;
 }

@@ -196,7 +196,7 @@ fn complained_about(folder: &Path) -> Vec<(&'static str, usize)> {
         let replaced = replaced(&fs::read(path("two.mov")).unwrap(), b"ulaw", b"apac");
         fs::write(path("phone.mov"), replaced).unwrap();
         files.push(("phone.mov", 48));
-        // The same size and pixel format, with other color tags.
+        // Equal sizes and pixel formats, with other color tags.
         let tagged = |tag: &str| {
             assert!(encode(&path(tag), &format!("{h264} -colorspace {tag} -f mpegts")));
             fs::read(path(tag)).unwrap()

@@ -75,7 +75,7 @@ export class Following {
     return this.#wanted.map((target) => [nameOf(target), [...this.#targets.get(target.id).rows.values()]]);
   }
 
-  /** Where the answers of a target end early: [id, frame of its lock, first frame without an answer]. */
+  /** Ends of answers before that of the recording: [id, frame of its lock, first frame without an answer]. */
   get silent() {
     return [...this.#targets.values()].flatMap((target) => target.silent);
   }
@@ -199,7 +199,7 @@ export class Target {
     return this.#isActive ? this.at + 1 : (this.locks.find(({ number }) => number > this.at)?.number ?? Infinity);
   }
 
-  /** Where answers end because the tracker refused a frame: [[id, frame of the lock, first frame without an answer]]. */
+  /** Frames that a tracker refused, after which it gives no answer: [[id, frame of the lock, first frame without an answer]]. */
   get silent() {
     const lock = this.locks.findLast(({ number }) => number <= this.#stopped);
     return lock?.box ? [[this.id, lock.number, this.#stopped]] : [];

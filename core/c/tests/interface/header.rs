@@ -40,7 +40,8 @@ fn compiles(compiler: &str, standard: &str, source: &str) -> (bool, String) {
     (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// If an earlier header leaves `#pragma pack` in force, types would have other sizes, so smr.h must not compile.
+/// The sizes that smr.h states are those of the library. If an earlier header leaves `#pragma pack` in force, types would
+/// have other sizes, so smr.h must not compile.
 #[test]
 fn the_header_compiles_with_the_sizes_of_the_library_and_not_in_a_packing() {
     const TEST: &str = "the_header_compiles_with_the_sizes_of_the_library_and_not_in_a_packing";
