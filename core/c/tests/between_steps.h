@@ -21,7 +21,7 @@ typedef struct course {
     smr_answer answers[FRAMES];
     uint8_t saved[sizeof former];
     size_t size;
-    uint8_t record[65536];
+    uint8_t record[49152];
     size_t recorded;
 } course;
 

@@ -11,7 +11,7 @@ use crate::image::{Frame, Rect};
 #[derive(Debug)]
 pub struct Seal(());
 
-pub(super) const SEAL: &Seal = &Seal(());
+pub(super) const SEAL: Seal = Seal(());
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)] // `Nothing` is 0, so that a workspace in a `static` begins as zeroes
@@ -102,7 +102,7 @@ pub trait Steps: Sized {
 
     /// The state of the call under way in the workspace.
     #[doc(hidden)]
-    fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay;
+    fn under_way<'a>(workspace: &'a mut Self::Workspace, _: Seal) -> &'a mut UnderWay;
 
     /// The work of the present or last update or lock in this workspace: see [`Tracker::work`](crate::Tracker::work).
     fn work(workspace: &Self::Workspace) -> u32;
@@ -112,38 +112,38 @@ pub trait Steps: Sized {
     /// # Errors
     /// [`UpdateError`].
     #[doc(hidden)]
-    fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError>;
+    fn check(&self, frame: &Frame<'_>, _: Seal) -> Result<(), UpdateError>;
 
     /// Checks that `bbox` in `frame` can be locked.
     ///
     /// # Errors
     /// [`LockError`].
     #[doc(hidden)]
-    fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: &Seal) -> Result<(), LockError>;
+    fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: Seal) -> Result<(), LockError>;
 
     /// Begins an update with a checked frame.
     #[doc(hidden)]
-    fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal);
+    fn start(&mut self, workspace: &mut Self::Workspace, _: Seal);
 
     /// Begins a lock in a checked frame, and forgets the previous target.
     #[doc(hidden)]
-    fn start_lock(&mut self, workspace: &mut Self::Workspace, bounds: Rect, bbox: Rect, _: &Seal);
+    fn start_lock(&mut self, workspace: &mut Self::Workspace, bounds: Rect, bbox: Rect, _: Seal);
 
     /// Continues an update until the grant is spent. True if only `commit` remains.
     #[doc(hidden)]
-    fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool;
+    fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: Seal) -> bool;
 
     /// Continues a lock until the grant is spent. True if only `commit_lock` remains.
     #[doc(hidden)]
-    fn step_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool;
+    fn step_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: Seal) -> bool;
 
     /// Ends an update: changes the target and returns the answer.
     #[doc(hidden)]
-    fn commit(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer;
+    fn commit(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: Seal) -> Answer;
 
     /// Ends a lock: sets the target.
     #[doc(hidden)]
-    fn commit_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality;
+    fn commit_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: Seal) -> Quality;
 }
 
 /// The stages of a call one by one, for the C interface, which writes the answer directly to the caller's memory.

@@ -201,7 +201,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     type Workspace = Workspace<PIXELS, SPAN>;
 
-    fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay {
+    fn under_way<'a>(workspace: &'a mut Self::Workspace, _: Seal) -> &'a mut UnderWay {
         &mut workspace.under_way
     }
 
@@ -210,7 +210,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 
     #[inline(never)]
-    fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
+    fn check(&self, frame: &Frame<'_>, _: Seal) -> Result<(), UpdateError> {
         let track = self.track.get().ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
@@ -218,14 +218,14 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         if frame.covers(track.pixels(self.config())) { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
-    fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: &Seal) -> Result<(), LockError> {
+    fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: Seal) -> Result<(), LockError> {
         let bounds = frame.bounds();
         lockable(bounds, bbox)?;
         Track::new(bounds, bbox).check_room(PIXELS, SPAN, self.config())?;
         if frame.covers(bbox) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
     }
 
-    fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal) {
+    fn start(&mut self, workspace: &mut Self::Workspace, _: Seal) {
         let Some(track) = self.track.get() else { return };
         let wanted = track.wanted(State::Tracking, self.config());
         workspace.window = track.search_window(self.config());
@@ -233,12 +233,12 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         workspace.table.set(self.config().table, self.template.threshold());
     }
 
-    fn start_lock(&mut self, _: &mut Self::Workspace, _: Rect, _: Rect, _: &Seal) {
+    fn start_lock(&mut self, _: &mut Self::Workspace, _: Rect, _: Rect, _: Seal) {
         self.track = Slot::Empty;
     }
 
     #[inline(never)]
-    fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
+    fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: Seal) -> bool {
         let Self { template, config, track } = self;
         let config = Self::configured(config);
         let (Some(track), Some(image)) = (track.get(), template.image()) else { return true };
@@ -260,17 +260,17 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 
     /// A lock is one step: `commit_lock`.
-    fn step_lock(&mut self, _: &mut Self::Workspace, _: &Frame<'_>, _: &Seal) -> bool {
+    fn step_lock(&mut self, _: &mut Self::Workspace, _: &Frame<'_>, _: Seal) -> bool {
         true
     }
 
-    fn commit(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer {
+    fn commit(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: Seal) -> Answer {
         let track = self.track.get().copied().unwrap_or(Track::new(frame.bounds(), Rect::default()));
         self.decide(frame, track, workspace.peaks().unwrap_or(NOTHING))
     }
 
     #[inline(never)] // keeps its stack out of that of a step
-    fn commit_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality {
+    fn commit_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: Seal) -> Quality {
         let Workspace { table, under_way, .. } = workspace;
         let (bounds, target) = under_way.locking();
         if let Some(patch) = frame.patch(target) {

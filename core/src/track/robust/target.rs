@@ -214,7 +214,7 @@ impl Target for Robust {
 impl Steps for Robust {
     type Workspace = Workspace;
 
-    fn under_way<'a>(workspace: &'a mut Workspace, _: &Seal) -> &'a mut UnderWay {
+    fn under_way<'a>(workspace: &'a mut Workspace, _: Seal) -> &'a mut UnderWay {
         &mut workspace.under_way
     }
 
@@ -222,7 +222,7 @@ impl Steps for Robust {
         workspace.under_way.budget.done()
     }
 
-    fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
+    fn check(&self, frame: &Frame<'_>, _: Seal) -> Result<(), UpdateError> {
         let track = self.memory.track.as_ref().ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
@@ -232,13 +232,13 @@ impl Steps for Robust {
         if covered { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
-    fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: &Seal) -> Result<(), LockError> {
+    fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: Seal) -> Result<(), LockError> {
         let bounds = frame.bounds();
         lockable(bounds, bbox)?;
         if frame.covers(self.lock_window(bounds, bbox)) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
     }
 
-    fn start(&mut self, workspace: &mut Workspace, _: &Seal) {
+    fn start(&mut self, workspace: &mut Workspace, _: Seal) {
         let Workspace { progress, buffers, under_way } = workspace;
         if let Some(inputs) = self.inputs() {
             *progress = Progress::Update(Pipeline::begin(&inputs, buffers, &mut under_way.budget));
@@ -246,14 +246,14 @@ impl Steps for Robust {
     }
 
     #[inline(never)] // keeps its stack out of `step`
-    fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, bbox: Rect, _: &Seal) {
+    fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, bbox: Rect, _: Seal) {
         let Workspace { progress, buffers, .. } = workspace;
         let track = Track::new(bounds, bbox);
         *progress =
             Progress::Lock(LockPipeline::begin(track, Self::configured(&self.config), &mut self.memory, buffers));
     }
 
-    fn step(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
+    fn step(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: Seal) -> bool {
         let Workspace { progress, buffers, under_way } = workspace;
         match (self.inputs(), progress) {
             (Some(inputs), Progress::Update(update)) => update.step(&inputs, buffers, &mut under_way.budget, frame),
@@ -262,12 +262,12 @@ impl Steps for Robust {
     }
 
     #[inline(never)] // keeps its stack out of `step`
-    fn step_lock(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
+    fn step_lock(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: Seal) -> bool {
         let Workspace { progress: Progress::Lock(lock), buffers, under_way } = workspace else { return true };
         lock.step((Self::configured(&self.config), &mut self.memory), buffers, &mut under_way.budget, frame)
     }
 
-    fn commit(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Answer {
+    fn commit(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: Seal) -> Answer {
         let before = self.state();
         let mut ratio = 0;
         if let Workspace { progress: Progress::Update(update), buffers, .. } = workspace {
@@ -292,7 +292,7 @@ impl Steps for Robust {
     }
 
     #[inline(never)] // keeps its stack out of `step`
-    fn commit_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
+    fn commit_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: Seal) -> Quality {
         let Workspace { progress: Progress::Lock(lock), buffers, .. } = workspace else { return Quality::NONE };
         lock.commit(Self::configured(&self.config), &mut self.memory, buffers)
     }
