@@ -23,7 +23,7 @@ def figures(columns):
 
 
 def test_figures_are_those_of_host_sim(host_sim):
-    trackers = {"smr": smr.Paper("paper"), "robust": smr.Robust()}
+    trackers = {"paper": smr.Paper("paper"), "robust": smr.Robust()}
     recordings = RECORDINGS[:2]
     for starts, options in [("given", ["--starts=1"]), ("near", []), (20, ["--starts=every:20"])]:
         measured = smr.evaluate(recordings, trackers, starts=starts)

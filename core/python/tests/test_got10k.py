@@ -12,7 +12,7 @@ from smr._benchmark import inside  # noqa: E402
 from smr.got10k import SmrTracker, gray  # noqa: E402
 
 FRAMES = 120
-TRACKERS = [(smr.Robust, ["robust"]), (smr.Paper, ["smr", "--config", "camera"])]
+TRACKERS = [(smr.Robust, ["robust"]), (smr.Paper, ["paper", "--config", "camera"])]
 
 
 def as_png(picture):

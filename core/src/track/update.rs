@@ -102,7 +102,7 @@ pub trait Steps: Sized {
 
     /// The state of the call under way in the workspace.
     #[doc(hidden)]
-    fn under_way<'a>(workspace: &'a mut Self::Workspace, _: Seal) -> &'a mut UnderWay;
+    fn under_way(workspace: &mut Self::Workspace, _: Seal) -> &mut UnderWay;
 
     /// The work of the present or last update or lock in this workspace: see [`Tracker::work`](crate::Tracker::work).
     fn work(workspace: &Self::Workspace) -> u32;

@@ -53,7 +53,9 @@ mod vector;
 pub(crate) use compiled::{compiled, scores};
 pub(crate) use counts::{candidates, inside_at_least};
 pub(crate) use lookup::{LookUp, Lookup};
-pub(crate) use ranges::{half, ranges_of_rows, spread, widen_all};
+#[cfg(target_arch = "x86_64")]
+pub(crate) use ranges::half;
+pub(crate) use ranges::{ranges_of_rows, spread, widen_all};
 pub(crate) use row_loops::{ANY, by_width};
 pub(crate) use sums::{distance, sum_at_least};
 pub(crate) use vector::{Neighbours, Vector, intrinsics, last, last_lanes};

@@ -201,7 +201,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     type Workspace = Workspace<PIXELS, SPAN>;
 
-    fn under_way<'a>(workspace: &'a mut Self::Workspace, _: Seal) -> &'a mut UnderWay {
+    fn under_way(workspace: &mut Self::Workspace, _: Seal) -> &mut UnderWay {
         &mut workspace.under_way
     }
 

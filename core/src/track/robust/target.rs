@@ -214,7 +214,7 @@ impl Target for Robust {
 impl Steps for Robust {
     type Workspace = Workspace;
 
-    fn under_way<'a>(workspace: &'a mut Workspace, _: Seal) -> &'a mut UnderWay {
+    fn under_way(workspace: &mut Workspace, _: Seal) -> &mut UnderWay {
         &mut workspace.under_way
     }
 
