@@ -209,6 +209,7 @@ fn entry_json(entry: &Entry<'_>) -> Value {
                 "ratio": answer.ratio,
                 "runner_up_ratio": answer.runner_up_ratio,
                 "alpha": answer.alpha,
+                "identity": answer.identity,
                 "scale": answer.scale,
                 "found_again": answer.found_again,
             })
@@ -306,7 +307,7 @@ fn named(difference: record::Difference) -> Result<Option<(&'static str, [String
 }
 
 /// Values of an answer as text, each with its name in messages.
-pub fn values(answer: &Answer) -> [(&'static str, String); 8] {
+pub fn values(answer: &Answer) -> [(&'static str, String); 9] {
     let number = |number: Option<u16>| number.map_or("none".to_owned(), |number| number.to_string());
     [
         ("box in 1/256 pixel", described(answer.fine)),
@@ -315,6 +316,7 @@ pub fn values(answer: &Answer) -> [(&'static str, String); 8] {
         ("ratio", answer.ratio.to_string()),
         ("runner-up's ratio", number(answer.runner_up_ratio)),
         ("alpha", number(answer.alpha)),
+        ("identity", number(answer.identity)),
         ("scale", answer.scale.to_string()),
         ("whether it was found again", answer.found_again.to_string()),
     ]

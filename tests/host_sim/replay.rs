@@ -142,11 +142,11 @@ fn a_flight_is_replayed_bit_for_bit() {
         assert_eq!(flight.states, State::ALL.map(count));
         assert!(flight.states[3] > 0, "{kind:?}: the flight has a lost target: {:?}", flight.states);
         // Bytes of each entry, by the documentation: begin 584 (`Paper`) or 558 (`Robust`), moved 24. Without their
-        // pixels: lock 36, window with answer 82, window without answer 36.
+        // pixels: lock 36, window with answer 84, window without answer 36.
         let begin = if kind == CoreKind::Paper { 584 } else { 558 };
         let saved =
             entries(&bytes).windows(2).find(|pair| pair[0].1 == *b"SMRS").map_or(0, |pair| pair[1].0 - pair[0].0);
-        let expected = begin + 36 + 82 * 239 + 36 + 24 + saved as u64 + flight.pixels;
+        let expected = begin + 36 + 84 * 239 + 36 + 24 + saved as u64 + flight.pixels;
         assert_eq!(flight.bytes, expected);
     }
 }
@@ -160,14 +160,15 @@ fn a_changed_answer_is_named() {
         (18, "confidence"),
         (20, "ratio"),
         (24, "alpha"),
-        (26, "scale"),
+        (26, "identity"),
+        (28, "scale"),
         (17, "whether it was found again"),
     ];
     for (kind, bytes, _) in flights(12) {
         let answers: Vec<usize> =
             entries(&bytes).into_iter().filter(|(_, tag)| tag == b"SMRA").map(|(at, _)| at).collect();
         for (place, field) in fields {
-            if kind == CoreKind::Robust && field == "alpha" {
+            if field == (if kind == CoreKind::Robust { "alpha" } else { "identity" }) {
                 continue; // it has none
             }
             let mut changed = bytes.clone();
@@ -230,7 +231,7 @@ fn firmware_that_starts_again_appends() {
     let report = replayed(&[cut, &robust].concat()).expect("a record");
     assert_eq!((&report.damage, report.flights.len()), (&None, 2));
     let [first, second] = &report.flights[..] else { panic!("two flights") };
-    assert_eq!((first.method, first.answers, first.cut_off), ("paper", 3, 16));
+    assert_eq!((first.method, first.answers, first.cut_off), ("paper", 3, 18));
     assert!(first.unanswered.as_ref().is_some_and(|last| last.frame == 5 && last.state == "tracking"));
     assert_eq!((second.method, second.answers, second.unanswered.is_none()), ("robust", 4, true));
     let report = replayed(&[&robust[..], &[0xFF; 5000]].concat()).expect("a record");
@@ -258,7 +259,7 @@ fn damage_in_the_middle_is_no_verdict() {
     refused(&without, &["entry 5 is missing"]);
     let mut other = bytes.clone();
     other[12] = 9;
-    refused(&signed(other, 0), &["version 9 of the record: expected 1"]);
+    refused(&signed(other, 0), &["version 9 of the record: expected 2"]);
 }
 
 /// Heads of entries that each claim the rest of the record: smr-core's tests bound the work.

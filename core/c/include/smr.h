@@ -90,7 +90,7 @@
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
 #define SMR_ROBUST_WORKSPACE_SIZE (40368 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */
-#define SMR_ROBUST_SAVED_SIZE 12350
+#define SMR_ROBUST_SAVED_SIZE 12352
 
 /** A target with a lower quality may slip along its own texture unnoticed: see #smr_quality. */
 #define SMR_POOR_QUALITY 1023
@@ -849,10 +849,20 @@ typedef struct smr_answer {
    */
   uint16_t alpha;
   /**
+   * The judgement of the refiner's network that the box shows the target of the lock, a running mean over about four
+   * frames: 65535 is certain, 32768 undecided, 0 certain that it shows something else. Below 38229 the state is
+   * #SMR_UNCERTAIN or #SMR_LOST. 0 without the refiner.
+   */
+  uint16_t identity;
+  /**
    * 1 if the tracker searched for the runner-up; 0 if no decision needed a runner-up (see setting `runner_up_always`
    * in #smr_paper_config). Always 0 from the robust tracker.
    */
   uint8_t has_runner_up;
+  /**
+   * 1 if the answer has an identity, that is, from the robust tracker with the refiner; else 0.
+   */
+  uint8_t has_identity;
   /**
    * 1 if the target was lost in the previous frame and is found in this one; else 0.
    */
@@ -1021,11 +1031,11 @@ SMR_SIZE(smr_rect, 12, 12);
 SMR_SIZE(smr_part, 20, 32);
 SMR_SIZE(smr_frame, 44, 72);
 SMR_SIZE(smr_fine_rect, 16, 16);
-SMR_SIZE(smr_answer, 48, 48);
+SMR_SIZE(smr_answer, 52, 52);
 SMR_SIZE(smr_image, 8, 16);
 SMR_SIZE(smr_readout, 44, 56);
 SMR_SIZE(smr_recorder, 20, 32);
-SMR_SIZE(smr_entry, 192, 240);
+SMR_SIZE(smr_entry, 196, 240);
 #ifndef __i386__ /* where members of a struct have an alignment of at most 4 */
 struct smr_storage {
     char before;

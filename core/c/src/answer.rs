@@ -46,9 +46,15 @@ pub struct smr_answer {
     /// Alpha, the threshold of this frame, rounded up to whole gray levels (1 to 256): a pixel matched if it differed
     /// from the template by less. 0 from the robust tracker, whose threshold follows the contrast of each patch.
     pub alpha: u16,
+    /// The judgement of the refiner's network that the box shows the target of the lock, a running mean over about four
+    /// frames: 65535 is certain, 32768 undecided, 0 certain that it shows something else. Below 38229 the state is
+    /// #SMR_UNCERTAIN or #SMR_LOST. 0 without the refiner.
+    pub identity: u16,
     /// 1 if the tracker searched for the runner-up; 0 if no decision needed a runner-up (see setting `runner_up_always`
     /// in #smr_paper_config). Always 0 from the robust tracker.
     pub has_runner_up: u8,
+    /// 1 if the answer has an identity, that is, from the robust tracker with the refiner; else 0.
+    pub has_identity: u8,
     /// 1 if the target was lost in the previous frame and is found in this one; else 0.
     pub found_again: u8,
 }
@@ -83,6 +89,7 @@ impl From<smr_answer> for Answer {
             ratio: answer.ratio,
             runner_up_ratio: (answer.has_runner_up != 0).then_some(answer.runner_up_ratio),
             alpha: (answer.alpha != 0).then_some(answer.alpha),
+            identity: (answer.has_identity != 0).then_some(answer.identity),
             scale: answer.scale,
             found_again: answer.found_again != 0,
         }
@@ -100,7 +107,9 @@ impl From<Answer> for smr_answer {
             ratio: answer.ratio,
             runner_up_ratio: answer.runner_up_ratio.unwrap_or(0),
             alpha: answer.alpha.unwrap_or(0),
+            identity: answer.identity.unwrap_or(0),
             has_runner_up: answer.runner_up_ratio.is_some().into(),
+            has_identity: answer.identity.is_some().into(),
             found_again: answer.found_again.into(),
         }
     }

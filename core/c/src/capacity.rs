@@ -33,7 +33,7 @@ pub const PAPER_SAVED_SIZE: usize = PIXELS + 94;
 /// fits libraries with and without the refiner.
 pub(crate) const REFINER: usize = 1056;
 /// Bytes that the refiner adds to a saved target.
-const SAVED_REFINER: usize = 1044;
+const SAVED_REFINER: usize = 1046;
 
 /// Bytes of a robust tracker, without its workspace: `SMR_ROBUST_TARGET_SIZE` in the header.
 pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 8]>();

@@ -42,6 +42,7 @@ pub fn answer<'py>(py: Python<'py>, answer: &Answer) -> PyResult<Bound<'py, PyAn
         ratio_to_float(answer.ratio),
         answer.runner_up_ratio.map(ratio_to_float),
         answer.alpha,
+        answer.identity.map(ratio_to_float),
         f64::from(answer.scale) / 65536.0,
         answer.found_again,
     ))

@@ -44,6 +44,7 @@ def as_json(answer):
         "ratio": as_printed(answer.ratio),
         "runner_up_ratio": as_printed(answer.runner_up_ratio),
         "alpha": answer.alpha,
+        "identity": as_printed(answer.identity),
         "scale": as_printed(answer.scale),
         "found_again": answer.found_again,
     }

@@ -10,7 +10,7 @@ import smr
 from conftest import followed, interrupted, refuses, run
 from smr import __main__ as program
 
-KEYS = ("frame", "state", "box", "fine", "confidence", "ratio", "scale", "found_again")
+KEYS = ("frame", "state", "box", "fine", "confidence", "ratio", "identity", "scale", "found_again")
 
 
 def lines(text):
@@ -97,7 +97,7 @@ def test_the_window_draws_into_a_copy(monkeypatch, shape):
     monkeypatch.setattr(cv2, "waitKey", lambda _milliseconds: ord("r"))
     monkeypatch.setattr(cv2, "getWindowProperty", lambda _name, _property: 1.0)
     frame, box = numpy.zeros(shape, numpy.uint8), smr.Box(8, 30, 20, 10)
-    answer = smr.Answer(box, box, smr.State.LOST, 0.25, 0.5, None, None, 1.0, False)
+    answer = smr.Answer(box, box, smr.State.LOST, 0.25, 0.5, None, None, None, 1.0, False)
     window = program.Window(1)
     assert window.show(frame, answer) == "r"
     assert not frame.any()

@@ -333,7 +333,7 @@ def test_an_uncertain_target_has_a_place_and_coasts(world):
     one, box = station(255), smr.Box(10, 10, 20, 20)
     assert one.ask(TRACK, *parts(box)) == ACCEPTED
     for state, flags in {smr.State.TRACKING: 1, smr.State.LEAVING: 1, smr.State.UNCERTAIN: 1 | 8, smr.State.LOST: 2}.items():
-        answer = smr.Answer(box, smr.FineBox(*box), state, 0.5, 0.5, None, None, 1.0, False)
+        answer = smr.Answer(box, smr.FineBox(*box), state, 0.5, 0.5, None, None, None, 1.0, False)
         camera.tracker = type("", (), {"follow": lambda _self, _frame: answer})()
         camera.show(FRAMES[1])
         (status,) = one.heard(STATUS)

@@ -96,6 +96,7 @@ fn answer(state: State, x: i32, y: i32) -> Answer {
         ratio: 1,
         runner_up_ratio: None,
         alpha: Some(13),
+        identity: None,
         scale: 1 << 16,
         found_again: false,
     }

@@ -11,7 +11,8 @@ use crate::image::{FineRect, Rect};
 /// | uncertain | never | the early template hardly agrees |
 /// | lost | the peak did not exceed the runner-up enough | it has not agreed for some frames |
 ///
-/// With the refiner, `Robust` is also uncertain or lost while the network expects large errors.
+/// With the refiner, `Robust` is also uncertain while the network does not recognise the target in the box, and
+/// uncertain or lost while the network expects large errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
@@ -75,6 +76,10 @@ pub struct Answer {
     /// The threshold alpha of this frame, rounded up to whole gray levels: pixels that differ by less match. `None`
     /// from [`Robust`](crate::Robust), whose threshold follows the contrast of each patch.
     pub alpha: Option<u16>,
+    /// The judgement of the refiner's network that the box shows the target of the lock, a running mean over about four
+    /// frames: 65535 is certain, 32768 undecided, 0 certain that it shows something else. Below 38,229 the state is
+    /// *uncertain* or *lost*. `None` without the refiner.
+    pub identity: Option<u16>,
     /// The target's linear size relative to the locked box, in units of 1/65536. [`Paper`](crate::Paper): always 65536.
     pub scale: u32,
     /// True if the target was lost in the frame before and is found in this one.

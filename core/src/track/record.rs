@@ -35,15 +35,15 @@
 //! |---|---|
 //! | begin | 584 ([`Paper`](crate::Paper)) or 556 ([`Robust`](crate::Robust); with the refiner 558) |
 //! | lock | 36 + pixels of [`Target::lock_window`] |
-//! | frame | 82 + pixels of [`Target::window`] and of [`Target::sweep_window`] |
+//! | frame | 84 + pixels of [`Target::window`] and of [`Target::sweep_window`] |
 //!
 //! The answer depends on these pixels. The window of [`Paper`](crate::Paper) is the box enlarged by the radius on each
-//! side: a frame takes 9298 bytes for a box of 64x64 with a window of +-16. The window of [`Robust`](crate::Robust) is
+//! side: a frame takes 9300 bytes for a box of 64x64 with a window of +-16. The window of [`Robust`](crate::Robust) is
 //! about 16 times the area of its target.
 //!
 //! The recorder needs 64 bytes of stack and no other memory, and the time of a CRC-32 over the bytes and of the writer.
 //!
-//! # The bytes, version 1
+//! # The bytes, version 2
 //!
 //! A record is a sequence of entries. Numbers are little-endian; signed ones are in two's complement.
 //!
@@ -57,7 +57,7 @@
 //!
 //! The content of each entry:
 //!
-//! - `SMRB`, begin: version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), the configuration (2 bytes a
+//! - `SMRB`, begin: version (2 bytes: 2), tracker (1 byte: `P` or `R`), 0 (1 byte), the configuration (2 bytes a
 //!   number)
 //! - `SMRL`, lock: frame: width, height; box: left, top, width, height; window: the same (2 bytes each); its pixels,
 //!   row by row
@@ -66,8 +66,8 @@
 //!   all 0 if there is no second part); the pixels of the first part, the pixels of the second part
 //! - `SMRA`, answer: fine box: left, top (4 bytes each, signed), width, height (4 bytes each); state (1 byte,
 //!   [`State::code`](super::State::code): 0 tracking, 1 leaving, 2 uncertain, 3 lost); flags (1 byte, a sum of: 1 found
-//!   again, 2 has a runner-up, 4 has an alpha); confidence, ratio, runner-up's ratio, alpha (2 bytes each, 0 if there
-//!   is none); scale (4 bytes)
+//!   again, 2 has a runner-up, 4 has an alpha, 8 has an identity); confidence, ratio, runner-up's ratio, alpha, identity
+//!   (2 bytes each, 0 if there is none); scale (4 bytes)
 //! - `SMRS`, restored: the saved target ([`Target::save`]) that the tracker continued with
 //!
 //! The numbers of the configuration of each tracker:
@@ -95,7 +95,7 @@ use super::{Answer, Settings, Target};
 use crate::image::{Frame, Image, Rect};
 
 /// The version of the format.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// The size of an entry's head in bytes; its last four bytes are the length of the content.
 pub const HEAD: usize = 12;
 /// The size of an entry in bytes, without its content.
@@ -269,16 +269,20 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     /// # Errors
     /// The writer's.
     pub fn answer(&mut self, answer: &Answer) -> Result<(), E> {
-        let Answer { fine, state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = *answer;
+        let Answer { fine, state, confidence, ratio, runner_up_ratio, alpha, identity, scale, found_again, .. } =
+            *answer;
         let flag = |is: bool, bit: u8| if is { bit } else { 0 };
-        let flags = flag(found_again, 1) | flag(runner_up_ratio.is_some(), 2) | flag(alpha.is_some(), 4);
-        self.entry(Tag::Answer, 30, |entry| {
+        let flags = flag(found_again, 1)
+            | flag(runner_up_ratio.is_some(), 2)
+            | flag(alpha.is_some(), 4)
+            | flag(identity.is_some(), 8);
+        self.entry(Tag::Answer, 32, |entry| {
             for side in [fine.x.cast_unsigned(), fine.y.cast_unsigned(), fine.width, fine.height] {
                 entry.put(&side.to_le_bytes());
             }
             entry.put(&[state.code(), flags]);
-            for number in [confidence, ratio, runner_up_ratio.unwrap_or(0), alpha.unwrap_or(0)] {
-                entry.u16(number);
+            for number in [Some(confidence), Some(ratio), runner_up_ratio, alpha, identity] {
+                entry.u16(number.unwrap_or(0));
             }
             entry.put(&scale.to_le_bytes());
         })

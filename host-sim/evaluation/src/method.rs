@@ -46,6 +46,8 @@ pub struct Evidence {
     pub runner_up_ratio: Option<f64>,
     /// Threshold alpha of the frame, rounded up to whole gray levels; `None` from `Robust`.
     pub alpha: Option<u16>,
+    /// From 0, certainly not the target of the lock, to 1; `None` without the refiner.
+    pub identity: Option<f64>,
     pub scale: f64,
     pub found_again: bool,
 }
@@ -68,11 +70,11 @@ impl MethodAnswer {
 
 impl From<Answer> for MethodAnswer {
     fn from(answer: Answer) -> Self {
-        let Answer { state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = answer;
+        let Answer { state, confidence, ratio, runner_up_ratio, alpha, identity, scale, found_again, .. } = answer;
         let of_one = |ratio: u16| f64::from(ratio) / f64::from(u16::MAX);
         let (confidence, ratio, scale) = (of_one(confidence), of_one(ratio), f64::from(scale) / 65536.0);
-        let runner_up_ratio = runner_up_ratio.map(of_one);
-        let evidence = Evidence { confidence, ratio, runner_up_ratio, alpha, scale, found_again };
+        let (runner_up_ratio, identity) = (runner_up_ratio.map(of_one), identity.map(of_one));
+        let evidence = Evidence { confidence, ratio, runner_up_ratio, alpha, identity, scale, found_again };
         let believed = state != State::Lost;
         let (target, bbox) = (believed.then_some(answer.fine.into()), believed.then_some(answer.bbox));
         Self { target, bbox, state, evidence: Some(evidence), work: None }
@@ -167,6 +169,7 @@ mod tests {
             ratio: 0,
             runner_up_ratio: None,
             alpha: None,
+            identity: None,
             scale: 1 << 15,
             found_again: false,
         };

@@ -1,6 +1,6 @@
 //! Comparison of the robust tracker with its reference, in each frame: sampling grid, requested windows, features,
-//! response map, redetection, largest filter response, similarity to the early template (`ratio`), confidence, state,
-//! scale, box, filter weights, early template. smr-core gets only the pixels in the windows that it requests.
+//! response map, redetection, largest filter response, similarity to the early template (`ratio`), confidence, identity,
+//! state, scale, box, filter weights, early template. smr-core gets only the pixels in the windows that it requests.
 
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
@@ -122,6 +122,7 @@ fn decisions(answer: &Answer, response: i32, step: &Step) -> Option<Violation> {
         .or_else(|| differs("response at the place", f64::from(response), step.response))
         .or_else(|| differs("ratio", f64::from(answer.ratio), step.ratio))
         .or_else(|| differs("confidence", f64::from(answer.confidence), step.confidence))
+        .or_else(|| differs("identity", answer.identity.map(f64::from), step.identity))
         .or_else(|| differs("state", answer.state, state(step.decision)))
         .or_else(|| differs("scale", f64::from(answer.scale) / 65536.0, step.scale))
         .or_else(|| differs("box: left, top, width, height", edges.map(|edge| edge / 256.0), step.fine))
@@ -237,13 +238,22 @@ mod tests {
             hidden,
             changes! { of;
                 of.least_contrast = 0.0, of.least_deviation = 128.0, of.margin = 5, of.lost_below = 10_000.0, of.uncertain_below = 19_300.0,
-                of.learned_from = 98_304.0, of.found_from = 98_304.0, of.better_by = 98_304.0,
+                of.learned_from = 98_304.0, of.recognised_from = 98_304.0, of.recognised_better_by = 98_304.0, of.recognised_logit = 6.5,
+                of.exact_logit = 2.0, of.identity_found = 0.5, of.identity_rate = 0.5, of.most_logit = 5.0,
                 of.sweep = 0, of.sweep = 3, of.refiner = false,
             },
         );
         noticed(noisy, changes! { of; of.most_trust = 2.0, of.opinion_rate = 0.25, of.opinion_rising_rate = 0.125 });
         noticed(noisy, changes! { of; of.opinion_lost_below = 1.3, of.opinion_uncertain_below = 1.0 });
-        noticed(noisy, changes! { of; of.opinion_patience = 29, of.opinion_found = 2.0 });
+        noticed(
+            noisy,
+            changes! { of; of.opinion_patience = 29, of.opinion_found = 2.0, of.veto = 64.0, of.same_from = 0.0, of.most_veto = 20_000.0 },
+        );
+        let hidden_unrefined = |mut numbers: Numbers| {
+            numbers.refiner = false;
+            hidden_from(Config::robust(), numbers)
+        };
+        noticed(hidden_unrefined, changes! { of; of.found_from = 98_304.0, of.better_by = 98_304.0 });
         noticed(cut_off, changes! { of; of.most_cut_off = 1.0 });
     }
 
@@ -365,8 +375,12 @@ mod tests {
         assert!(lost > 0 && swept >= lost && found_again > 0, "{report:?}");
     }
 
-    /// The target disappears until it is lost, then returns far away.
     fn hidden(numbers: Numbers) -> Comparison {
+        hidden_from(Config::refined(), numbers)
+    }
+
+    /// The target disappears until it is lost, then returns far away.
+    fn hidden_from(config: Config, numbers: Numbers) -> Comparison {
         let frame = |at: Option<(usize, usize)>| {
             let ground = |x: usize, y: usize| u8::try_from(100 + (x / 40 + y / 40) % 2 * 30).unwrap();
             let mut pixels: Vec<u8> = (0..240 * 160).map(|at| ground(at % 240, at / 240)).collect();
@@ -379,7 +393,7 @@ mod tests {
             GrayFrame { width: 240, height: 160, pixels }
         };
         let target = Rect::new(30, 40, 32, 32);
-        let check = lock("hidden", numbers, Config::refined(), &frame(Some((30, 40))), target);
+        let check = lock("hidden", numbers, config, &frame(Some((30, 40))), target);
         let there = (0..5).map(|step| Some((30 + step, 40)));
         through(check, there.chain([None; 8]).chain([Some((190, 120)); 16]).map(frame))
     }

@@ -37,7 +37,7 @@ pub struct Track {
     /// Print one JSON object for each frame: --format json
     ///
     /// Its keys: version, method, options (only those given), target (if it has a name), frame (as the recording counts), state, box (whole
-    /// pixels), fine (with fractions), confidence, ratio, runner_up_ratio, alpha, scale, found_again, work and quality. A value that the
+    /// pixels), fine (with fractions), confidence, ratio, runner_up_ratio, alpha, identity, scale, found_again, work and quality. A value that the
     /// method does not compute is null, and so are both boxes while the target is lost.
     #[arg(long, conflicts_with = "format")]
     json: bool,

@@ -14,7 +14,7 @@ const LINE: usize = 16;
 /// The value that stands for a missing number.
 const NONE: u32 = u32::MAX;
 /// The size in bytes of an entry that contains an answer.
-const ANSWER: usize = AROUND + 30;
+const ANSWER: usize = AROUND + 32;
 
 /// The paper tracker for the test vectors: boxes of up to 128 pixels, and windows of up to +-60 pixels.
 #[cfg(feature = "small")]
@@ -268,13 +268,14 @@ impl Run {
 }
 
 fn line_of_difference(at: u32, answer: &Answer) -> [u32; LINE] {
-    let Answer { fine, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = *answer;
+    let Answer { fine, confidence, ratio, runner_up_ratio, alpha, identity, scale, found_again, .. } = *answer;
     let [left, top] = [fine.x, fine.y].map(i32::cast_unsigned);
-    let [runner_up_ratio, alpha] = [runner_up_ratio, alpha].map(|number| number.map_or(NONE, u32::from));
+    let optional = [runner_up_ratio, alpha, identity];
+    let [runner_up, alpha, identity] = optional.map(|number| number.map_or(NONE, u32::from));
     let (state, found_again) = (answer.state.code().into(), found_again.into());
     let (confidence, ratio) = (confidence.into(), ratio.into());
     let (width, height) = (fine.width, fine.height);
-    [5, at, 6, left, top, width, height, state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, 0, 0]
+    [5, at, 6, left, top, width, height, state, confidence, ratio, runner_up, alpha, scale, found_again, identity, 0]
 }
 
 fn fnv(bytes: &[u8]) -> u32 {

@@ -18,7 +18,7 @@
 //! | 2, update     | work, ticks                                                                                    |
 //! | 3, in steps   | ticks of the longest step                                                                      |
 //! | 4, end        | bytes of stack used, bytes of stack in all, bytes of stack that an update used, ticks of the last lock |
-//! | 5, difference | byte of the record, what differs (see `End`), and of another answer: left, top, width and height of the box (in 1/256 pixel), state, confidence, ratio, runner-up's ratio and alpha (2^32 - 1 if there is none), scale, 1 if found again |
+//! | 5, difference | byte of the record, what differs (see `End`), and of another answer: left, top, width and height of the box (in 1/256 pixel), state, confidence, ratio, runner-up's ratio and alpha (2^32 - 1 if there is none), scale, 1 if found again, identity (2^32 - 1 if there is none) |
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

@@ -142,7 +142,9 @@ impl fmt::Display for ReplayedRecord {
 /// Parses the firmware's line about a difference into the fields of `ReplayedRecord::difference`. Fails if the firmware refused
 /// the frame, or if the line has another format.
 fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, String, String))> {
-    let [5, at, why, x, y, width, height, state, confidence, ratio, runner_up, alpha, scale, again, ..] = *line else {
+    let [5, at, why, x, y, width, height, state, confidence, ratio, runner_up, alpha, scale, again, identity, _] =
+        *line
+    else {
         bail!("the firmware says {line:?}: expected what an update took")
     };
     // The lock counts as the first frame's entry.
@@ -164,6 +166,7 @@ fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, Str
         ratio: ratio.try_into()?,
         runner_up_ratio: some(runner_up)?,
         alpha: some(alpha)?,
+        identity: some(identity)?,
         scale,
         found_again: again != 0,
     };

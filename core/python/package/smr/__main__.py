@@ -67,10 +67,10 @@ def captured(capture):
 
 
 def locked(tracker, frame, box):
-    """Starts the tracker. Returns the answer for this frame, which has no confidence and no ratios."""
+    """Starts the tracker. Returns the answer for this frame, which has no confidence, no ratios and no identity."""
     tracker.init(frame, box)
     place = Box(*(int(side + 0.5) for side in box))
-    return Answer(place, place, State.TRACKING, *[None] * 6)
+    return Answer(place, place, State.TRACKING, *[None] * 7)
 
 
 def text(number, answer):
@@ -81,7 +81,7 @@ def text(number, answer):
 def json_line(number, answer):
     """The answer as a line of JSON, with the keys and values of `host-sim track --json`."""
     box, fine = (None if answer.state == State.LOST else place._asdict() for place in (answer.box, answer.fine_box))
-    figures = {name: (value := getattr(answer, name)) and round(value, 6) for name in ("confidence", "ratio", "scale")}
+    figures = {name: (value := getattr(answer, name)) and round(value, 6) for name in ("confidence", "ratio", "identity", "scale")}
     return json.dumps({"frame": number, "state": answer.state, "box": box, "fine": fine, **figures, "found_again": answer.found_again})
 
 

@@ -48,7 +48,7 @@ class FineBox(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """The box of the target, and its reliability. Confidence and ratios are 0 to 1."""
+    """The box of the target, and its reliability. Confidence, ratios and identity are 0 to 1."""
 
     box: Box
     """The box of the target. When it is lost, `Paper` gives the last box that it accepted, `Robust` its best guess."""
@@ -63,6 +63,9 @@ class Answer(NamedTuple):
     """The ratio of the runner-up, or None if no decision depended on it. Always None from `Robust`."""
     alpha: Optional[int]
     """The threshold of the frame in gray levels, 1 to 255. None from `Robust`."""
+    identity: Optional[float]
+    """The judgement of the refiner's network that the box shows the target of the `init`, a running mean over about four frames: 1 is certain,
+    0.5 undecided, 0 certain that it shows something else. Below 0.583 the state is uncertain or lost. None without the refiner."""
     scale: float
     """The size of the target divided by its size at `init`. Always 1 from `Paper`."""
     found_again: bool

@@ -94,6 +94,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
             ratio: peak,
             runner_up_ratio: peaks.runner_up.map(|score| ratio(score, pixels)),
             alpha: Some(threshold),
+            identity: None,
             scale: 1 << 16,
             found_again: before == State::Lost && track.state != State::Lost,
         }

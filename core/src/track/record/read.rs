@@ -384,7 +384,8 @@ impl<'a> Reader<'a> {
     fn answer(&mut self) -> Option<Answer> {
         let fine = FineRect { x: self.i32()?, y: self.i32()?, width: self.u32()?, height: self.u32()? };
         let [state, flags] = self.take()?;
-        let (confidence, ratio, runner_up, alpha) = (self.u16()?, self.u16()?, self.u16()?, self.u16()?);
+        let (confidence, ratio) = (self.u16()?, self.u16()?);
+        let (runner_up, alpha, identity) = (self.u16()?, self.u16()?, self.u16()?);
         let if_there = |bit: u8, number: u16| (flags & bit != 0).then_some(number);
         let answer = Answer {
             bbox: fine.whole(),
@@ -394,9 +395,10 @@ impl<'a> Reader<'a> {
             ratio,
             runner_up_ratio: if_there(2, runner_up),
             alpha: if_there(4, alpha),
+            identity: if_there(8, identity),
             scale: self.u32()?,
             found_again: flags & 1 != 0,
         };
-        (flags < 8).then_some(answer)
+        (flags < 16).then_some(answer)
     }
 }

@@ -19,7 +19,7 @@ fn sealed(tag: Tag, number: u32, content: &[u8]) -> Vec<u8> {
 fn flight(sizes: &[usize]) -> Vec<u8> {
     let entries =
         sizes.iter().zip(1..).flat_map(|(&size, number)| sealed(Tag::Restored, number, &vec![number as u8; size]));
-    sealed(Tag::Begin, 0, &[1, 0, b'P', 0]).into_iter().chain(entries).collect()
+    sealed(Tag::Begin, 0, &[2, 0, b'P', 0]).into_iter().chain(entries).collect()
 }
 
 /// An entry as (offset, size, number, skipped bytes before it), or the damage.
@@ -70,7 +70,7 @@ fn piece() -> impl Strategy<Value = Vec<u8>> {
     let sizes = prop::collection::vec(prop_oneof![0..40_usize, 300..700_usize], 0..5);
     let nested = (any::<[u8; 20]>(), sizes.clone()).prop_map(|(around, sizes)| {
         let inner = [&around[..], &flight(&sizes), &around[..]].concat();
-        [sealed(Tag::Begin, 0, &[1, 0, b'R', 0]), sealed(Tag::Restored, 1, &inner)].concat()
+        [sealed(Tag::Begin, 0, &[2, 0, b'R', 0]), sealed(Tag::Restored, 1, &inner)].concat()
     });
     prop_oneof![
         4 => sizes.prop_map(|sizes| flight(&sizes)),
@@ -118,7 +118,7 @@ proptest! {
             let left = all.saturating_sub(record.len() + AROUND) as u32;
             match Tag::ALL.get(kind) {
                 Some(&tag) => record.extend(head(tag, u32::from(tag != Tag::Begin), claims.min(left))),
-                None => record.extend(sealed(Tag::Begin, 0, &[1, 0, b'P', 0])),
+                None => record.extend(sealed(Tag::Begin, 0, &[2, 0, b'P', 0])),
             }
         }
         record.resize(record.len() + tail, 0);

@@ -275,8 +275,10 @@ impl Steps for Robust {
             ratio = update.candidate().agreement;
         }
         let fine = self.bbox().unwrap_or_default();
-        let (state, confidence, scale) = self.memory.track.as_ref().map_or((State::Lost, 0, SCALE), |track| {
-            (track.state(Self::configured(&self.config)), track.confidence.value(), track.motion.place.scale)
+        let config = Self::configured(&self.config);
+        let track = self.memory.track.as_ref();
+        let (state, confidence, scale) = track.map_or((State::Lost, 0, SCALE), |track| {
+            (track.state(config), track.confidence.value(), track.motion.place.scale)
         });
         Answer {
             bbox: fine.whole(),
@@ -286,6 +288,7 @@ impl Steps for Robust {
             ratio,
             runner_up_ratio: None,
             alpha: None,
+            identity: track.filter(|_| config.refines()).map(|track| track.review.identity()),
             scale,
             found_again: before == Some(State::Lost) && state != State::Lost,
         }

@@ -83,7 +83,9 @@ fn most_done(config: Config) -> [u64; 3] {
     most
 }
 
-/// The largest work of an update, of a lock and of a step (learning or redetecting) is 85 to 100 % of its own bound.
+/// The largest work of an update, of a lock and of a step is 85 to 100 % of its own bound; that of an update with the
+/// refiner and a sweep 65 to 100 %, because no frame here learns, is then refused by the network, and has something like
+/// the target in every window.
 #[test]
 fn the_most_work_is_nearly_done() {
     let lost = |config| Config { lost_below: u16::MAX, uncertain_below: u16::MAX, ..config };
@@ -95,8 +97,10 @@ fn the_most_work_is_nearly_done() {
     ] {
         let most = config.most_work();
         let both = most_done(config).into_iter().zip(most_done(lost(config))).map(|(learns, looks)| learns.max(looks));
-        for (done, most) in both.zip([most.update, most.lock, most.beyond_a_step.into()]) {
-            assert!(done <= most && 100 * done >= 85 * most, "{config:?}: {done} of {most}");
+        let rare = config.refiner && config.sweep > 0;
+        let parts = [(most.update, if rare { 65 } else { 85 }), (most.lock, 85), (most.beyond_a_step.into(), 85)];
+        for (done, (most, percent)) in both.zip(parts) {
+            assert!(done <= most && 100 * done >= percent * most, "{config:?}: {done} of {most}");
         }
     }
 }

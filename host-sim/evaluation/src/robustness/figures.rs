@@ -186,8 +186,9 @@ mod tests {
     fn run(answers: &[Option<BoundingBox>], states: &[State], work: Option<u32>, microseconds: u64) -> Run {
         let states = std::iter::once(&State::Tracking).chain(states);
         let (confidence, ratio, scale) = (0.5, 1.0, 1.0);
-        let evidence =
-            Some(Evidence { confidence, ratio, runner_up_ratio: None, alpha: None, scale, found_again: false });
+        let (runner_up_ratio, alpha, identity) = (None, None, None);
+        let found_again = false;
+        let evidence = Some(Evidence { confidence, ratio, runner_up_ratio, alpha, identity, scale, found_again });
         let report = |(&target, &state): (&Option<BoundingBox>, &State)| MethodAnswer {
             target,
             bbox: None,

@@ -173,6 +173,7 @@ impl Printer {
             ratio: evidence.map(|evidence| rounded(evidence.ratio)),
             runner_up_ratio: evidence.and_then(|evidence| evidence.runner_up_ratio).map(rounded),
             alpha: evidence.and_then(|evidence| evidence.alpha),
+            identity: evidence.and_then(|evidence| evidence.identity).map(rounded),
             scale: evidence.map(|evidence| rounded(evidence.scale)),
             found_again: evidence.map(|evidence| evidence.found_again),
             work: report.work,
@@ -182,7 +183,8 @@ impl Printer {
     }
 }
 
-const CSV_NAMES: &str = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
+const CSV_NAMES: &str =
+    "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work\n";
 
 /// One answer as JSON. Boxes are null if the target is lost, and values that the method does not compute are null.
 #[derive(Serialize)]
@@ -201,6 +203,7 @@ struct JsonLine<'a> {
     ratio: Option<f64>,
     runner_up_ratio: Option<f64>,
     alpha: Option<u16>,
+    identity: Option<f64>,
     scale: Option<f64>,
     found_again: Option<bool>,
     work: Option<u32>,
@@ -247,6 +250,7 @@ fn csv_line(answer: &Answer<'_>, report: &MethodAnswer) -> String {
         figure(|evidence| Some(evidence.ratio)),
         figure(|evidence| evidence.runner_up_ratio),
         figure(|evidence| evidence.alpha.map(f64::from)),
+        figure(|evidence| evidence.identity),
         figure(|evidence| Some(evidence.scale)),
         field(report.work.map(|work| work.to_string())),
     ];
@@ -282,6 +286,7 @@ mod tests {
             ratio: 2.0 / 3.0,
             runner_up_ratio: Some(0.5),
             alpha: Some(13),
+            identity: Some(0.75),
             scale: 1.0,
             found_again: false,
         };
@@ -294,11 +299,11 @@ mod tests {
         };
         let json_found = json(
             "sad",
-            r#""state":"leaving","box":{"x":-2,"y":5,"width":10,"height":20},"fine":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"confidence":null,"ratio":null,"runner_up_ratio":null,"alpha":null,"scale":null,"found_again":null,"work":null,"quality":null"#,
+            r#""state":"leaving","box":{"x":-2,"y":5,"width":10,"height":20},"fine":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"confidence":null,"ratio":null,"runner_up_ratio":null,"alpha":null,"identity":null,"scale":null,"found_again":null,"work":null,"quality":null"#,
         );
         let json_lost = json(
             "paper",
-            r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9,"quality":null"#,
+            r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"runner_up_ratio":0.5,"alpha":13,"identity":0.75,"scale":1.0,"found_again":false,"work":9,"quality":null"#,
         );
         // Before the target's first box, some formats print the line of a lost target; the others print nothing.
         for (format, of_found, of_lost, before) in [
@@ -307,7 +312,7 @@ mod tests {
             (Format::Vot, "-2,5,10,20\n", "0\n", "0\n"),
             (Format::Got10k, "-2,5,10,20\n", "0,0,0,0\n", "0,0,0,0\n"),
             (Format::Mot, "7,1,-1,6,10,20,1,-1,-1,-1\n", "", ""),
-            (Format::Csv, "7,,-2,5,10,20,leaving,,,,,,\n", "7,,,,,,lost,0,0.666667,0.5,13,1,9\n", ""),
+            (Format::Csv, "7,,-2,5,10,20,leaving,,,,,,,\n", "7,,,,,,lost,0,0.666667,0.5,13,0.75,1,9\n", ""),
             (Format::Json, &json_found, &json_lost, ""),
         ] {
             let line = |method, report| printer(format, method, &[None]).line(&answer(0, 7, report)).unwrap();
@@ -318,7 +323,7 @@ mod tests {
         for format in [Format::Coco, Format::Cvat] {
             assert_eq!(printer(format, MethodKind::Robust, &[None]).line(&answer(0, 1, None)).unwrap(), "");
         }
-        assert_eq!(CSV_NAMES.matches(',').count(), 12);
+        assert_eq!(CSV_NAMES.matches(',').count(), 13);
     }
 
     #[test]
@@ -327,7 +332,7 @@ mod tests {
         let named = |format| printer(format, MethodKind::Robust, &[Some("man"), Some("car")]);
         let of = Answer { time: Some(4.8), ..answer(1, 120, Some(&report)) };
         assert_eq!(named(Format::Csv).head(), format!("target,{CSV_NAMES}"));
-        assert_eq!(named(Format::Csv).line(&of).unwrap(), "car,120,4.8,1,2,3,4,tracking,,,,,,\n");
+        assert_eq!(named(Format::Csv).line(&of).unwrap(), "car,120,4.8,1,2,3,4,tracking,,,,,,,\n");
         assert!(named(Format::Json).line(&of).unwrap().contains(r#""target":"car","frame":120,"time":4.8,"#));
         assert_eq!(named(Format::Mot).line(&of).unwrap(), "120,2,2,3,3,4,1,-1,-1,-1\n");
     }
@@ -371,6 +376,7 @@ mod tests {
             ratio: 0.5,
             runner_up_ratio: None,
             alpha: None,
+            identity: None,
             scale: 1.0,
             found_again: false,
         };

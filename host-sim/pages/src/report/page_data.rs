@@ -94,6 +94,7 @@ fn figures(film: &FilmedRecording, entrant: &Entrant) -> Result<Value> {
         "ratio": evidence(|evidence| Some(evidence.ratio)),
         "runner_up": evidence(|evidence| evidence.runner_up_ratio),
         "alpha": evidence(|evidence| evidence.alpha.map(f64::from)),
+        "identity": evidence(|evidence| evidence.identity),
         "size": sizes(answers),
         "work": reports(&|report| report.work.map(f64::from), 0),
     }))

@@ -345,7 +345,7 @@ fn frame_number(query: &str, name: &str) -> Result<usize> {
 }
 
 /// Returns an answer as JSON for the page:
-/// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, runner-up's ratio]`
+/// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, runner-up's ratio, identity]`
 fn answer_json(&(target, frame, AnsweredFrame { report, shown, .. }): &(u32, usize, AnsweredFrame)) -> Value {
     let MethodAnswer { state, evidence, work, .. } = report;
     let BoundingBox { x, y, width, height } = shown;
@@ -363,6 +363,7 @@ fn answer_json(&(target, frame, AnsweredFrame { report, shown, .. }): &(u32, usi
         evidence.map(|evidence| rounded(evidence.scale)),
         work,
         evidence.and_then(|evidence| evidence.runner_up_ratio).map(rounded),
+        evidence.and_then(|evidence| evidence.identity).map(rounded),
     ])
 }
 

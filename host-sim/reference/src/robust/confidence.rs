@@ -18,6 +18,11 @@ pub fn evidence(agreement: f64, response: f64) -> f64 {
     agreement + 65536.0 * (response / ONE).clamp(0.0, 0.5)
 }
 
+/// Evidence that remains after a veto by the logit for showing the target.
+pub fn vetoed(numbers: &Numbers, evidence: f64, logit: f64) -> f64 {
+    (evidence - (numbers.veto * (numbers.same_from - logit)).clamp(0.0, numbers.most_veto)).max(0.0)
+}
+
 /// Largest evidence (1.5), with which the running mean begins.
 pub const FULL: f64 = 98304.0;
 

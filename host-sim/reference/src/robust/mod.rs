@@ -24,7 +24,7 @@ pub use lighting::{free_gain, relit, threshold};
 pub use numbers::Numbers;
 pub use sampling::{Lattice, Patch, Picture, Shape};
 
-use confidence::{FULL, confidence, decision, evidence, found_mean, running_mean};
+use confidence::{FULL, confidence, decision, evidence, found_mean, running_mean, vetoed};
 use gradients::features;
 use learning::{Filter, Sample, ScaledIntegers};
 use refinement::Aligned;
@@ -44,6 +44,8 @@ pub struct Step {
     pub ratio: f64,
     pub decision: Decision,
     pub confidence: f64,
+    /// Running mean of the network's logits, mapped to 0 to 65535; `None` without the refiner.
+    pub identity: Option<f64>,
     pub scale: f64,
     /// Box in pixels (left, top, width, height): first with fractions, second with edges rounded to whole pixels.
     pub fine: [f64; 4],
@@ -157,14 +159,10 @@ impl Reference {
             let larger = |scale| around(Place { scale, ..centre }, reach + 2 * scale_reach);
             all.extend(self.other_scales(centre.scale).map(larger));
         }
-        if let Some(refiner) = &self.refiner {
-            // Upper bound of the target's move, in frame pixels: search radius plus 1 cell, plus alignment margin, plus
-            // 2 template pixels, all at the larger scale.
-            let [_, larger] = self.other_scales(centre.scale);
-            let by = to_f64((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
-            let target = Place { scale: larger, ..centre }.bbox(self.target_size);
-            all.push(refiner.region(target, by, self.frame_size));
-        }
+        // The target's move is at most the search radius plus 1 cell, plus the alignment margin, plus 2 template pixels, and
+        // its scale may grow.
+        let [_, larger] = self.other_scales(centre.scale);
+        all.extend(self.crops_around(Place { scale: larger, ..centre }, (reach + 1) * cell + margin + 2));
         all.into_iter().reduce(union).expect("there is a window")
     }
 
@@ -172,13 +170,24 @@ impl Reference {
     /// windows. `None` if the sweep is off, or if the network has not given up the target and even evidence 0 in the
     /// next frame would not make the target lost.
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
-        let Numbers { sweep, reach, .. } = self.numbers;
+        let Numbers { sweep, reach, cell, .. } = self.numbers;
         let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
         if sweep == 0 || !lost_next && !self.given_up() {
             return None;
         }
-        let windows = self.sweep().into_iter().map(|place| self.region_around(place, reach + self.margin_cells()));
+        let windows = self.sweep().into_iter().map(|place| {
+            let window = self.region_around(place, reach + self.margin_cells());
+            self.crops_around(place, (reach + 1) * cell).map_or(window, |crops| union(window, crops))
+        });
         windows.reduce(union)
+    }
+
+    /// Bounds of the pixels that the refiner's crops may read at `place` and up to `pixels` template pixels around it.
+    /// `None` without the refiner.
+    fn crops_around(&self, place: Place, pixels: i64) -> Option<[i64; 4]> {
+        let refiner = self.refiner.as_ref()?;
+        let by = to_f64(pixels) * self.shape.step_at(place.scale);
+        Some(refiner.region(place.bbox(self.target_size), by, self.frame_size))
     }
 
     fn margin_cells(&self) -> i64 {
@@ -195,18 +204,6 @@ impl Reference {
         let mut candidate = self.candidate(&frame, &weights, centre);
         let growth = self.refine(&mut candidate);
         let was_lost = self.decision() == Decision::Lost;
-        self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, candidate.evidence());
-        let given_up = self.given_up();
-        self.mean_evidence *= if given_up { 0.0 } else { 1.0 };
-        let lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
-        let learned = !lost && candidate.evidence() >= self.numbers.learned_from;
-        if learned {
-            let light = lighting::gain_per_contrast(candidate.gain, candidate.window);
-            self.light = lighting::running_light(&self.numbers, self.light, light);
-            for (mean, new) in self.early.pixels.iter_mut().zip(&candidate.aligned.seen.pixels) {
-                *mean += nearest((new - *mean) * self.numbers.early_rate, FINE);
-            }
-        }
         // Centre of the label: offset of the target from the window's middle in cells, rounded toward 0 to 1/256 cell.
         let cell = to_f64(self.numbers.cell) * self.shape.step_at(centre.scale);
         let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
@@ -217,6 +214,21 @@ impl Reference {
                 None => self.best_scale(&frame, &weights, &candidate),
             };
         }
+        let is_exact = candidate.agreement >= self.numbers.refined_from;
+        let estimates = if candidate.can_show && !is_exact { self.estimates(&frame, candidate.place) } else { None };
+        let evidence = self.identified(candidate.evidence(), is_exact, estimates.as_deref());
+        self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, evidence);
+        let given_up = self.given_up();
+        self.mean_evidence *= if given_up { 0.0 } else { 1.0 };
+        let lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
+        let learned = !lost && evidence >= self.numbers.learned_from;
+        if learned {
+            let light = lighting::gain_per_contrast(candidate.gain, candidate.window);
+            self.light = lighting::running_light(&self.numbers, self.light, light);
+            for (mean, new) in self.early.pixels.iter_mut().zip(&candidate.aligned.seen.pixels) {
+                *mean += nearest((new - *mean) * self.numbers.early_rate, FINE);
+            }
+        }
         if !candidate.can_show {
             candidate.place = self.place;
         }
@@ -225,12 +237,12 @@ impl Reference {
         let (right, below) = (candidate.place.x - self.place.x, candidate.place.y - self.place.y);
         self.velocity = (followed(right, self.velocity.0), followed(below, self.velocity.1));
         let (cells, responses) = (candidate.cells.clone(), candidate.responses.clone());
-        let (swept, there) = (lost && self.numbers.sweep > 0, if given_up { 0.0 } else { candidate.evidence() });
+        let (swept, there) = (lost && self.numbers.sweep > 0, if given_up { 0.0 } else { evidence });
         let found = swept.then(|| self.redetect(&frame, &weights, there)).flatten();
         let is_found = found.is_some();
         if let Some(elsewhere) = found {
             (self.velocity, self.mean_evidence) = ((0.0, 0.0), found_mean(&self.numbers, elsewhere.evidence()));
-            self.refiner.iter_mut().for_each(|refiner| refiner.reset_opinion(&self.numbers));
+            self.refiner.iter_mut().for_each(|refiner| refiner.begin_again(&self.numbers));
             candidate = elsewhere;
         }
         self.place = candidate.place;
@@ -244,10 +256,11 @@ impl Reference {
         }
         let (mut fine, scale) = (self.place.bbox(self.target_size), self.place.scale);
         if let Some(refiner) = &mut self.refiner {
-            if learned && candidate.agreement >= self.numbers.refined_from {
-                refiner.fade(&self.numbers);
-            } else if learned || (!lost && candidate.can_show) {
-                refiner.update(&self.numbers, &frame, fine, learned);
+            match estimates {
+                _ if lost => {}
+                Some(estimates) => refiner.update(&self.numbers, &estimates, learned),
+                None if is_exact => refiner.fade(&self.numbers),
+                None => {}
             }
             fine = refiner.correct(fine);
         }
@@ -259,6 +272,7 @@ impl Reference {
             ratio: candidate.agreement,
             decision,
             confidence: confidence(self.mean_evidence),
+            identity: self.refiner.as_ref().map(|refiner| refiner.identity(&self.numbers)),
             scale,
             fine,
             bbox: whole_box(fine),
@@ -267,6 +281,26 @@ impl Reference {
             found: is_found,
             found_again: was_lost && decision != Decision::Lost,
         }
+    }
+
+    /// The network's estimates for the box at a place; `None` without the refiner.
+    fn estimates(&self, frame: &Picture<'_>, place: Place) -> Option<Vec<f64>> {
+        let refiner = self.refiner.as_ref()?;
+        Some(refiner.estimates(&self.numbers, frame, place.bbox(self.target_size)))
+    }
+
+    /// Updates the identity by the frame's logit, if there is one. Returns the evidence that its veto leaves.
+    fn identified(&mut self, evidence: f64, is_exact: bool, estimates: Option<&[f64]>) -> f64 {
+        let Some(refiner) = &mut self.refiner else { return evidence };
+        let logit = if is_exact {
+            self.numbers.exact_logit
+        } else if let Some(estimates) = estimates {
+            refiner::logit(&self.numbers, estimates)
+        } else {
+            return evidence;
+        };
+        refiner.identify(&self.numbers, logit);
+        vetoed(&self.numbers, evidence, logit)
     }
 
     fn given_up(&self) -> bool {
@@ -349,18 +383,28 @@ impl Reference {
         best
     }
 
-    /// Searches the next windows of the sweep for the lost target. Returns the first candidate whose evidence reaches
-    /// `found_from` and is at least `better_by` above `followed`, the evidence at the tracked position.
+    /// Searches the next windows of the sweep for the lost target. Returns the first candidate whose evidence suffices,
+    /// is enough above `followed`, the evidence at the tracked position, and that the network recognises.
     fn redetect(&mut self, frame: &Picture<'_>, weights: &ScaledIntegers, followed: f64) -> Option<Candidate> {
-        let Numbers { found_from, better_by, .. } = self.numbers;
+        let Numbers { found_from, better_by, recognised_from, recognised_better_by, .. } = self.numbers;
+        let (from, lead) = match self.refiner {
+            Some(_) => (recognised_from, recognised_better_by),
+            None => (found_from, better_by),
+        };
         for place in self.sweep() {
             self.next_window += 1;
             let candidate = self.candidate(frame, weights, place);
-            if candidate.evidence() >= found_from && candidate.evidence() >= followed + better_by {
+            let suffices = candidate.evidence() >= from && candidate.evidence() >= followed + lead;
+            if suffices && self.recognises(frame, candidate.place) {
                 return Some(candidate);
             }
         }
         None
+    }
+
+    fn recognises(&self, frame: &Picture<'_>, place: Place) -> bool {
+        let estimates = self.estimates(frame, place);
+        estimates.is_none_or(|estimates| refiner::logit(&self.numbers, &estimates) >= self.numbers.recognised_logit)
     }
 }
 

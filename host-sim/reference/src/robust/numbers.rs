@@ -98,6 +98,17 @@ pub struct Numbers {
     /// Number of consecutive frames with a bad opinion after which the target is given up; opinion after a redetection.
     pub opinion_patience: i64,
     pub opinion_found: f64,
+    /// Identity: running mean of the logits for showing the target. Largest magnitude of a logit; logit of a frame in
+    /// which alignment made the box exact; weight of a frame in the mean; identity after a redetection; identity below
+    /// which the target is uncertain, also the logit below which a frame loses evidence.
+    pub most_logit: f64,
+    pub exact_logit: f64,
+    pub identity_rate: f64,
+    pub identity_found: f64,
+    pub same_from: f64,
+    /// Evidence that a frame loses for each unit of its logit below `same_from`, and at most, in units of 1/65536.
+    pub veto: f64,
+    pub most_veto: f64,
     /// Minimum evidence (template agreement plus filter response) for learning from a frame, in units of 1/65536.
     pub learned_from: f64,
     /// Redetection of a lost target: windows per frame; minimum evidence, and its minimum lead over the evidence at the
@@ -105,6 +116,10 @@ pub struct Numbers {
     pub sweep: i64,
     pub found_from: f64,
     pub better_by: f64,
+    /// The same two with the network, and the logit that a find then needs.
+    pub recognised_from: f64,
+    pub recognised_better_by: f64,
+    pub recognised_logit: f64,
 }
 
 impl Numbers {
@@ -168,10 +183,20 @@ impl Numbers {
             opinion_uncertain_below: 1.1875,
             opinion_patience: 30,
             opinion_found: 0.8125,
+            most_logit: 6.0,
+            exact_logit: 4.0,
+            identity_rate: 0.25,
+            identity_found: -0.5,
+            same_from: 1.0,
+            veto: 20.0 * 1024.0,
+            most_veto: 26_214.0,
             learned_from: 37_500.0,
             sweep: 4,
             found_from: 52_000.0,
             better_by: 16_000.0,
+            recognised_from: 45_000.0,
+            recognised_better_by: 9_000.0,
+            recognised_logit: 1.5,
         }
     }
 

@@ -1,4 +1,5 @@
-//! Refiner: a learned network (four convolutions, two fully connected layers) that corrects the box and rates it.
+//! Refiner: a learned network (four convolutions, two fully connected layers) that corrects the box, rates it, and
+//! judges whether it shows the target.
 //!
 //! The caller passes the trained weights (`weights.bin`). A layer's sums are exact in f64, then rounded down.
 
@@ -12,14 +13,15 @@ const SIDE: i64 = 32;
 const CROP_OVER_BOX: f64 = 1.75;
 /// Network input to which the mean gray level of a crop is mapped.
 const MEAN: f64 = 64.0;
-/// Resolution of the network's outputs: 1/4096.
+/// Resolution of the network's outputs: 1/4096. A logit is four times the last output.
 const ESTIMATE: f64 = 4096.0;
+const LOGIT: f64 = ESTIMATE / 4.0;
 
 /// Layers: number of inputs (or input channels), number of outputs (or output channels), divisor of the sums. For a
 /// convolution, its output side and stride come first.
 const CONVOLUTIONS: [(i64, i64, i64, i64, f64); 4] =
     [(16, 2, 2, 8, 64.0), (8, 2, 8, 16, 128.0), (8, 1, 16, 24, 128.0), (4, 2, 24, 24, 128.0)];
-const FULLY_CONNECTED: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 6, 1.0)];
+const FULLY_CONNECTED: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 7, 1.0)];
 
 /// Square feature map with channels, padded with the value `beyond`.
 struct Map {
@@ -61,7 +63,8 @@ fn activation(sum: f64, divisor: f64) -> f64 {
 }
 
 /// Returns the network's estimates: shift of the centre to the right and down, in sides of the box; logarithms of the
-/// factors of width and height; logarithms of the expected errors of position and size (0: e^-1.5 sides).
+/// factors of width and height; logarithms of the expected errors of position and size (0: e^-1.5 sides); a quarter of
+/// the logit for showing the target.
 fn network(weights: &[u8], first: &[f64], present: &[f64]) -> Vec<f64> {
     let mut bytes = Bytes(weights);
     let both = first.iter().zip(present).flat_map(|(&first, &present)| [first, present]).collect();
@@ -84,9 +87,14 @@ fn network(weights: &[u8], first: &[f64], present: &[f64]) -> Vec<f64> {
         let (biases, weights) = (bytes.biases(outputs), bytes.weights(outputs, inputs));
         let sums = biases.iter().zip(&weights).map(|(bias, row)| bias + dot(row, &numbers));
         // The last layer has no activation.
-        numbers = if outputs == 6 { sums.collect() } else { sums.map(|sum| activation(sum, divisor)).collect() };
+        numbers = if outputs == 7 { sums.collect() } else { sums.map(|sum| activation(sum, divisor)).collect() };
     }
     numbers.iter().map(|sum| sum / ESTIMATE).collect()
+}
+
+/// The logit that the estimates give, at most [`Numbers::most_logit`] in magnitude.
+pub fn logit(numbers: &Numbers, estimates: &[f64]) -> f64 {
+    (4.0 * estimates[6]).clamp(-numbers.most_logit, numbers.most_logit)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -118,6 +126,8 @@ pub struct Refiner {
     sides: [f64; 2],
     /// Running mean of the trust in the box. A frame's trust is high if the network expects small errors.
     opinion: f64,
+    /// Running mean of the logits for showing the target.
+    identity: f64,
     /// Count of frames in a row, up to now, with an opinion below `opinion_uncertain_below`.
     doubted_frames: i64,
 }
@@ -125,7 +135,8 @@ pub struct Refiner {
 impl Refiner {
     pub fn new(numbers: &Numbers, weights: &'static [u8], frame: &Picture<'_>, target: [f64; 4]) -> Self {
         let first = crop(numbers, frame, target);
-        Self { weights, first, centre: [0.0; 2], sides: [1.0; 2], opinion: numbers.most_trust, doubted_frames: 0 }
+        let (opinion, identity) = (numbers.most_trust, numbers.most_logit);
+        Self { weights, first, centre: [0.0; 2], sides: [1.0; 2], opinion, identity, doubted_frames: 0 }
     }
 
     pub fn correct(&self, [x, y, width, height]: [f64; 4]) -> [f64; 4] {
@@ -138,12 +149,24 @@ impl Refiner {
         [x, y, width, height]
     }
 
-    /// Compares the crop of the corrected box with the first crop and updates the opinion. Only if the frame was
-    /// learned, also adds a quarter of the network's estimates to the correction and then reduces the correction by a
-    /// sixteenth.
-    pub fn update(&mut self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4], learned: bool) {
-        let present = crop(numbers, frame, self.correct(target));
-        let estimates = network(self.weights, &self.first, &present);
+    /// Compares the crop of the corrected box with the first crop. Returns the network's estimates.
+    pub fn estimates(&self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) -> Vec<f64> {
+        network(self.weights, &self.first, &crop(numbers, frame, self.correct(target)))
+    }
+
+    /// Updates the identity by the logit of a frame.
+    pub fn identify(&mut self, numbers: &Numbers, logit: f64) {
+        self.identity += down((logit - self.identity) * numbers.identity_rate, LOGIT);
+    }
+
+    /// The identity, mapped to 0 to 65535.
+    pub fn identity(&self, numbers: &Numbers) -> f64 {
+        ((self.identity / numbers.most_logit + 1.0) * 32768.0).floor().min(65535.0)
+    }
+
+    /// Updates the opinion. Only if the frame was learned, also adds a quarter of the network's estimates to the
+    /// correction and then reduces the correction by a sixteenth.
+    pub fn update(&mut self, numbers: &Numbers, estimates: &[f64], learned: bool) {
         self.update_opinion(numbers, -(estimates[4] + estimates[5]));
         if !learned {
             return;
@@ -170,13 +193,15 @@ impl Refiner {
         self.doubted_frames >= numbers.opinion_patience
     }
 
-    pub fn reset_opinion(&mut self, numbers: &Numbers) {
-        (self.opinion, self.doubted_frames) = (numbers.opinion_found, 0);
+    /// Sets opinion and identity to those of a target that was found again.
+    pub fn begin_again(&mut self, numbers: &Numbers) {
+        (self.opinion, self.identity, self.doubted_frames) = (numbers.opinion_found, numbers.identity_found, 0);
     }
 
-    /// Decision by the opinion alone: the best state that the tracker may report.
+    /// Worse of the decisions by opinion and identity: the best state that the tracker may report.
     pub fn decision(&self, numbers: &Numbers) -> Decision {
-        decided(self.opinion, numbers.opinion_lost_below, numbers.opinion_uncertain_below)
+        let identity = decided(self.identity, f64::NEG_INFINITY, numbers.same_from);
+        decided(self.opinion, numbers.opinion_lost_below, numbers.opinion_uncertain_below).max(identity)
     }
 
     /// Reduces the correction by a quarter, and feeds full trust to the opinion, because alignment made the box exact.

@@ -19,10 +19,16 @@ use crate::track::State;
 const MAX_EVIDENCE: i32 = 3 << 15;
 /// The least evidence for the target with which the filter learns from a frame.
 const LEARNED_FROM: i32 = 37_500;
-/// The minimum evidence in a search window for finding a lost target there. `FOUND_LEAD` is required as well.
-const FOUND_FROM: i32 = 52_000;
-/// The minimum lead of the evidence in a search window over the evidence at the place where the target was lost.
-const FOUND_LEAD: i32 = 16_000;
+/// The requirements for finding a lost target in a search window.
+struct Find {
+    /// The minimum evidence in the window.
+    from: i32,
+    /// The minimum lead of the evidence in the window over the evidence at the place where the target was lost.
+    lead: i32,
+}
+const FIND: Find = Find { from: 52_000, lead: 16_000 };
+/// With the refiner less evidence suffices, because the network must recognise the target in what was found.
+const RECOGNISED_FIND: Find = Find { from: 45_000, lead: 9_000 };
 /// The maximum by which the running mean of the evidence may exceed the frame's evidence. With the default settings,
 /// one frame without evidence thus makes a *tracking* target *uncertain*, and a second such frame makes it *lost*. The
 /// bound improves the state, not the place: without the bound, the success rate R is higher by 0.002 +- 0.002.
@@ -45,13 +51,20 @@ impl Evidence {
         Self(i32::from(agreement) + 4 * response.clamp(0, ONE / 2))
     }
 
+    /// The evidence less `veto`, which is at least 0; no less than 0.
+    pub(crate) fn less(self, veto: i32) -> Self {
+        Self((self.0 - veto).max(0))
+    }
+
     pub(crate) fn may_be_learned(self) -> bool {
         self.0 >= LEARNED_FROM
     }
 
-    /// True if the evidence suffices to find a lost target again. `there` is the evidence at the target's last place.
-    pub(crate) fn finds(self, there: Self) -> bool {
-        self.0 >= FOUND_FROM && self.0 >= there.0 + FOUND_LEAD
+    /// True if the evidence suffices to find a lost target again, with the refiner only if the network recognises it.
+    /// `there` is the evidence at the target's last place.
+    pub(crate) fn finds(self, there: Self, config: &Config) -> bool {
+        let Find { from, lead } = if config.refines() { RECOGNISED_FIND } else { FIND };
+        self.0 >= from && self.0 >= there.0 + lead
     }
 }
 
@@ -144,25 +157,28 @@ mod tests {
 
     #[test]
     fn a_target_that_was_found_is_not_lost_and_not_yet_tracked() {
-        for evidence in [0, FOUND_FROM, MAX_EVIDENCE] {
+        for evidence in [0, FIND.from, MAX_EVIDENCE] {
             let found = Confidence::found(Evidence(evidence), &Config::robust());
             assert_eq!(found.state(&Config::robust()), State::Uncertain, "{evidence}");
         }
         // With equal thresholds no confidence is *uncertain*.
         for below in [0, 1, 2, 30_000] {
             let config = Config { lost_below: below, uncertain_below: below, ..Config::robust() };
-            assert_eq!(Confidence::found(Evidence(FOUND_FROM), &config).state(&config), State::Tracking, "{below}");
+            assert_eq!(Confidence::found(Evidence(FIND.from), &config).state(&config), State::Tracking, "{below}");
         }
     }
 
     #[test]
     fn a_find_needs_much_evidence_and_a_lead() {
-        assert!(Evidence(66_000).finds(Evidence(50_000)) && !Evidence(65_999).finds(Evidence(50_000)));
-        assert!(Evidence(FOUND_FROM).finds(Evidence(FOUND_FROM - FOUND_LEAD)));
-        assert!(
-            !Evidence(FOUND_FROM - 1).finds(Evidence(0))
-                && !Evidence(FOUND_FROM).finds(Evidence(FOUND_FROM - FOUND_LEAD + 1))
-        );
+        let finds = |there: i32, here: i32| Evidence(there).finds(Evidence(here), &Config::robust());
+        assert!(finds(66_000, 50_000) && !finds(65_999, 50_000));
+        assert!(finds(52_000, 36_000) && !finds(51_999, 0) && !finds(52_000, 36_001));
+        #[cfg(feature = "refiner")]
+        {
+            let finds = |there: i32, here: i32| Evidence(there).finds(Evidence(here), &Config::refined());
+            assert!(finds(45_000, 36_000) && !finds(44_999, 0) && !finds(45_000, 36_001));
+        }
+        assert_eq!([0, 5, 60].map(|veto| Evidence(20).less(veto)), [Evidence(20), Evidence(15), Evidence::NONE]);
         assert!(Evidence(LEARNED_FROM).may_be_learned() && !Evidence(LEARNED_FROM - 1).may_be_learned());
     }
 }

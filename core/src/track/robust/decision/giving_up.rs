@@ -41,7 +41,7 @@ impl Doubt {
 
 #[cfg(all(test, feature = "refiner"))]
 mod tests {
-    use super::super::super::refiner::Review;
+    use super::super::super::refiner::{Logit, Review};
     use super::*;
     use crate::track::State;
 
@@ -49,7 +49,7 @@ mod tests {
     fn a_doubted_target_is_given_up_and_found_again_uncertain() {
         let (mut review, mut doubt, mut updates) = (Review::NONE, Doubt::NONE, 0);
         while !doubt.gives_up() {
-            doubt = doubt.after(review.update([0; 6], false));
+            doubt = doubt.after(review.update(&[0; 7], false));
             updates += 1;
         }
         // The seventh update takes the opinion below 1.19, and 30 updates in a row are below it.
@@ -58,6 +58,7 @@ mod tests {
         review.begin_again();
         assert_eq!(review.state(), State::Uncertain);
         let states = [(); 3].map(|()| {
+            review.identify(Logit::EXACT);
             doubt = doubt.after(review.agree());
             review.state()
         });

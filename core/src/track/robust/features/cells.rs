@@ -186,6 +186,7 @@ fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, ou
     let (out, _) = out.as_chunks_mut::<CHANNELS>();
     let Some(inverses) = above.get_mut(..out.len()) else { return };
     rolled(inverses.iter_mut().zip(at.iter().zip(below))).for_each(|(sum, (at, below))| *sum += *at + *below);
-    norms(inverses, rows, |norm| (NORM_GAIN << 16) / (norm + NORM_FLOOR)); // factors of the sums, in units of 2^-16
+    // Factors of the sums, in units of 2^-16. A saturating sum is no zero for any compiler, so no division can panic.
+    norms(inverses, rows, |norm| (NORM_GAIN << 16) / norm.saturating_add(NORM_FLOOR));
     features(sums, above, out);
 }

@@ -33,7 +33,7 @@ pub(crate) struct Correction {
 impl Correction {
     pub(crate) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
 
-    pub(crate) fn add(&mut self, [right, down, width, height, ..]: Outputs) {
+    pub(crate) fn add(&mut self, &[right, down, width, height, ..]: &Outputs) {
         let bounded = |estimate: i32| estimate.clamp(-MAX_ESTIMATE, MAX_ESTIMATE);
         for (centre, new) in self.centre.iter_mut().zip([right, down]) {
             *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-MAX_SHIFT, MAX_SHIFT);
@@ -96,7 +96,7 @@ mod tests {
     fn no_correction_changes_nothing() {
         assert_eq!(Correction::NONE.correct(BOX), BOX);
         let mut still = Correction::NONE;
-        still.add([0; 6]);
+        still.add(&[0; 7]);
         assert_eq!(still, Correction::NONE);
     }
 
@@ -114,7 +114,7 @@ mod tests {
         for estimate in [i32::MIN, -4096, 4096, i32::MAX] {
             let mut correction = Correction::NONE;
             for _ in 0..100 {
-                correction.add([estimate; 6]);
+                correction.add(&[estimate; 7]);
             }
             let Correction { centre, sides } = correction;
             assert_eq!(Correction::restore(centre, sides), Some(correction), "{estimate}");
@@ -129,7 +129,7 @@ mod tests {
     fn a_correction_fades() {
         let mut correction = Correction { centre: [500, -500], sides: [ONE + 9000, ONE - 9000] };
         for _ in 0..200 {
-            correction.add([0; 6]);
+            correction.add(&[0; 7]);
         }
         let mut faded = Correction { centre: [500, -500], sides: [ONE + 9000, ONE - 9000] };
         faded.fade();

@@ -4,23 +4,27 @@
 //! network compares the target in the first and in the present frame, and estimates the error of the box ([`network`]).
 //! The correction follows the estimates from frame to frame ([`correction`]). It changes only the answer: moving or
 //! scaling the tracker's place by them gained nothing on the recordings. The network also estimates how large its
-//! errors may be, which can make the state worse ([`opinion`]).
+//! errors may be ([`opinion`]), and judges whether the box shows the target at all ([`identity`]). Both can make the
+//! state worse. A low identity also takes evidence from the frame, and refuses what redetection finds.
 //!
 //! ```text
-//! at the end of an update:  crop -> layers 1 to 4 -> two full layers -> correction, opinion
-//! at a lock:                crop, which is kept as the first
+//! before the decision:            crop -> layers 1 to 4 -> two full layers -> identity, correction, opinion
+//! in a window of redetection:     crop -> layers 1 to 4 -> two full layers -> identity, if the evidence suffices
+//! at a lock:                      crop, which is kept as the first
 //! ```
 //!
 //! The correction changes only in frames that the tracker learns from, so that an uncertain view changes no box. The
-//! network does not run if the early template gives the exact place and size, if the patch cannot show the target, or
-//! if the evidence says that the target is lost. Cost: 1024 samples and 428,176 products.
+//! network does not run if the early template gives the exact place and size, or if the patch cannot show the target.
+//! Cost of a run: 1024 samples and 428,200 products.
 
 mod correction;
 mod crop;
+mod identity;
 mod network;
 mod opinion;
 
 pub(super) use crop::{First, FirstCrop, reachable};
+pub(super) use identity::Logit;
 #[cfg(feature = "unstable")]
 pub(crate) use network::REFINER_WEIGHTS;
 
@@ -33,23 +37,28 @@ use crate::track::update::Budget;
 use correction::Correction;
 use crop::Crop;
 use heapless::Vec;
-use network::{Layers, Outputs, ROOM};
+use identity::Identity;
+pub(super) use network::Outputs;
+use network::{Layers, ROOM};
 use opinion::Opinion;
 
-pub(super) const SAVED: usize = Correction::SAVED + Opinion::SAVED + First::SAVED;
+pub(super) const SAVED: usize = Correction::SAVED + Opinion::SAVED + Identity::SAVED + First::SAVED;
 /// Upper bounds of the work for sampling a crop, and for the refiner in a frame.
 pub(super) const CROP_WORK: u32 = crop::WORK;
 pub(super) const WORK: u32 = CROP_WORK + network::WORK;
 
-/// The refiner's results, from frame to frame: the correction of the box, and the mean trust in the box (the opinion).
+/// The refiner's results, from frame to frame: the correction of the box, the mean trust in the box (the opinion), and
+/// the identity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Review {
     correction: Correction,
     opinion: Opinion,
+    identity: Identity,
 }
 
 impl Review {
-    pub(super) const NONE: Self = Self { correction: Correction::NONE, opinion: Opinion::BEST };
+    pub(super) const NONE: Self =
+        Self { correction: Correction::NONE, opinion: Opinion::BEST, identity: Identity::SURE };
 
     /// Updates the review in a frame in which the early template gives the exact place and size. Returns true if the
     /// opinion doubts the target even so.
@@ -61,12 +70,16 @@ impl Review {
 
     /// Updates the review by an estimate. The correction changes only if the tracker has `learned` from the frame.
     /// Returns true if the opinion doubts the target.
-    pub(super) fn update(&mut self, estimate: Outputs, learned: bool) -> bool {
+    pub(super) fn update(&mut self, estimate: &Outputs, learned: bool) -> bool {
         self.opinion.update(estimate);
         if learned {
             self.correction.add(estimate);
         }
         self.opinion.doubts()
+    }
+
+    pub(super) fn identify(&mut self, logit: Logit) {
+        self.identity.update(logit);
     }
 
     pub(super) fn correct(&self, target: FineRect) -> FineRect {
@@ -76,20 +89,32 @@ impl Review {
     /// Starts again as *uncertain*, for a target that redetection has found.
     pub(super) fn begin_again(&mut self) {
         self.opinion.begin_again();
+        self.identity.begin_again();
     }
 
-    /// The best state that the opinion allows.
+    /// The best state that the opinion and the identity allow.
     pub(super) fn state(&self) -> State {
-        self.opinion.state()
+        let (opinion, identity) = (self.opinion.state(), self.identity.state());
+        if identity.code() > opinion.code() { identity } else { opinion }
+    }
+
+    /// The identity for the answer, in units of 1/65535.
+    pub(super) fn identity(&self) -> u16 {
+        self.identity.value()
     }
 
     pub(super) fn save(&self, to: &mut Writer<'_>) {
         self.correction.save(to);
         self.opinion.save(to);
+        self.identity.save(to);
     }
 
     pub(super) fn read(from: &mut Reader<'_>) -> Option<Self> {
-        Some(Self { correction: Correction::read(from)?, opinion: Opinion::read(from)? })
+        Some(Self {
+            correction: Correction::read(from)?,
+            opinion: Opinion::read(from)?,
+            identity: Identity::read(from)?,
+        })
     }
 }
 

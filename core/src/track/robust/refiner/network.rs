@@ -7,13 +7,14 @@
 //! | convolution 3x3 | 8x8x16 | 8x8x24 | 1 | 7 | 221,184 |
 //! | convolution 3x3 | 8x8x24 | 4x4x24 | 2 | 7 | 82,944 |
 //! | full | 384 | 24 | | 8 | 9,216 |
-//! | full | 24 | 6 | | none | 144 |
+//! | full | 24 | 7 | | none | 168 |
 //!
 //! A layer computes min(max((bias + sum of weights * inputs) >> shift, 0), 127): see `kernels/plain/dense.rs`. The unit
 //! of inputs and outputs is 1/16, that of weights 2^-shift (2^-8 in the last layer). Beyond the edge, inputs of the
-//! first layer are 64, those of later layers 0. The six outputs, in units of 1/4096: the shift of the centre to the
-//! right and down, in sides of the box; the logarithms of the factors of width and height; and the logarithms of the
-//! spread (the expected error) of place and of size, in units of e^-1.5 sides.
+//! first layer are 64, those of later layers 0. The seven outputs, in units of 1/4096: the shift of the centre to the
+//! right and down, in sides of the box; the logarithms of the factors of width and height; the logarithms of the spread
+//! (the expected error) of place and of size, in units of e^-1.5 sides; and a quarter of the logit for the crop showing
+//! the target.
 //!
 //! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its
 //! inputs row by row, with zeroes up to a multiple of 4. `weights.json` documents the training.
@@ -26,13 +27,13 @@ use crate::track::update::{Budget, units};
 
 /// The network's estimate: the centre's shift to the right and down, in box sides; natural logarithms of the factors
 /// that correct width and height; natural logarithms of the expected errors of place and size, where 0 is an error of
-/// e^-1.5 box sides. Unit of all six numbers: 1/4096.
-pub(crate) type Outputs = [i32; 6];
+/// e^-1.5 box sides; a quarter of the logit for the crop showing the target. Unit of all seven numbers: 1/4096.
+pub(crate) type Outputs = [i32; 7];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
 const BYTES: usize = 4 * ALL_BIASES + ALL_WEIGHTS;
-const ALL_BIASES: usize = 8 + 16 + 24 + 24 + 24 + 6;
-const ALL_WEIGHTS: usize = 8 * 20 + 16 * 72 + 24 * 144 + 24 * 216 + 24 * 384 + 6 * 24;
+const ALL_BIASES: usize = 8 + 16 + 24 + 24 + 24 + 7;
+const ALL_WEIGHTS: usize = 8 * 20 + 16 * 72 + 24 * 144 + 24 * 216 + 24 * 384 + 7 * 24;
 
 /// The bytes of the weights file, for a reference implementation.
 #[cfg(feature = "unstable")]
@@ -64,7 +65,7 @@ const fn split() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
 
 /// Two counts for each layer: the inputs of one output, padded to a multiple of 4, and the outputs (for a convolution,
 /// its output channels).
-const LAYERS: [(usize, usize); 6] = [(20, 8), (72, 16), (144, 24), (216, 24), (384, 24), (24, 6)];
+const LAYERS: [(usize, usize); 6] = [(20, 8), (72, 16), (144, 24), (216, 24), (384, 24), (24, 7)];
 
 /// The shape of a convolution 3x3. Its inputs have a border of one pixel.
 #[derive(Clone, Copy)]
@@ -170,7 +171,7 @@ impl Layers {
     /// Computes one row of a convolution, or both fully connected layers; the latter return the network's estimate.
     #[inline(never)]
     pub(super) fn next_row(&mut self, dense: Dense, scratch: &mut [i8], budget: &mut Budget) -> Option<Outputs> {
-        let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 6]) };
+        let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 7]) };
         let Some(&convolution) = CONVOLUTIONS.get(self.number) else {
             return Some(full(dense, even, budget));
         };

@@ -36,7 +36,7 @@ impl Opinion {
 
     /// Updates the opinion by the expected errors of an estimate. `place` and `size` are the logarithms of these
     /// errors, with magnitudes below 2^28, in units of 1/4096.
-    pub(crate) fn update(&mut self, [.., place, size]: Outputs) {
+    pub(crate) fn update(&mut self, [.., place, size, _]: &Outputs) {
         self.move_toward((-(place + size)).clamp(0, MAX_TRUST));
     }
 
@@ -91,7 +91,7 @@ mod tests {
         for (spread, end) in [(LARGEST, 0), (0, 0), (-6000, 11_993), (-LARGEST, MAX_TRUST)] {
             let mut opinion = Opinion::BEST;
             for _ in 0..100 {
-                opinion.update([0, 0, 0, 0, spread, spread]);
+                opinion.update(&[0, 0, 0, 0, spread, spread, 0]);
                 assert!((0..=MAX_TRUST).contains(&opinion.0));
             }
             assert!((opinion.0 - end).abs() < 8, "{spread}: {opinion:?}");

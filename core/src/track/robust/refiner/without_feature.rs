@@ -26,8 +26,14 @@ impl Review {
 
     pub(super) fn begin_again(&mut self) {}
 
-    pub(super) fn update(&mut self, (): (), _: bool) -> bool {
+    pub(super) fn update(&mut self, (): &Outputs, _: bool) -> bool {
         false
+    }
+
+    pub(super) fn identify(&mut self, _: Logit) {}
+
+    pub(super) fn identity(&self) -> u16 {
+        0
     }
 
     pub(super) fn correct(&self, target: FineRect) -> FineRect {
@@ -48,6 +54,27 @@ impl Review {
 
     pub(super) fn restore(&mut self, _: &mut Reader<'_>) -> Option<()> {
         None
+    }
+}
+
+pub(super) type Outputs = ();
+
+#[derive(Clone, Copy)]
+pub(super) struct Logit;
+
+impl Logit {
+    pub(super) const EXACT: Self = Self;
+
+    pub(super) fn of((): &Outputs) -> Self {
+        Self
+    }
+
+    pub(super) fn veto(self) -> i32 {
+        0
+    }
+
+    pub(super) fn finds(self) -> bool {
+        true
     }
 }
 
@@ -72,7 +99,7 @@ impl Refiner {
         _: &mut Sampling,
         _: &mut [i8],
         _: &mut Budget,
-    ) -> Option<()> {
+    ) -> Option<Outputs> {
         match *self {}
     }
 }

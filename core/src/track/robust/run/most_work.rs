@@ -14,11 +14,16 @@ use crate::track::update::largest;
 const fn update(config: &Config, extent: Extent) -> u32 {
     let begin = CODED * extent.weights() + COPIED * extent.pixels();
     let scales = if config.size { scale::most_work(extent) } else { 0 };
-    let refiner = if config.refines() { refiner::WORK } else { 0 };
-    // An update learns from its frame or redetects the target, never both.
-    let learned = learning::most_work(extent) + refiner;
-    let redetected = config.sweep as u32 * search(extent);
-    begin + search(extent) + REFINED * extent.pixels() + scales + largest(&[learned, redetected])
+    let before = begin + search(extent) + REFINED * extent.pixels() + scales;
+    let (learned, windows) = (learning::most_work(extent), config.sweep as u32);
+    if config.refines() {
+        // Learning comes before the refiner, which can still take the evidence that learning and tracking need.
+        let redetected = CODED * extent.weights() + windows * (search(extent) + refiner::WORK);
+        before + learned + refiner::WORK + redetected
+    } else {
+        // An update learns from its frame or redetects the target, never both.
+        before + largest(&[learned, windows * search(extent)])
+    }
 }
 
 const fn window(extent: Extent) -> u32 {

@@ -1,15 +1,15 @@
 //! The pipeline of an update: runs a frame through the stages, piece by piece, so that an update can be done in steps.
 //!
 //! ```text
-//! search -> verification -> refinement -> scale -> decision
-//!   if there is enough evidence:   -> learning -> refiner (feature `refiner`)
-//!   if there is less:              -> refiner, for its opinion of the box
-//!   if the target is lost:         -> search -> verification, in each window of the sweep until one shows the target
+//! search -> verification -> refinement -> scale -> learning, if there is enough evidence
+//!   -> refiner (feature `refiner`), if the patch can show the target -> decision
+//!   if the target is lost:   -> search -> verification -> refiner, in each window of the sweep until one shows the target
 //! ```
 //!
-//! A search computes features and responses. To add a stage, add it to `Stage` and `next_piece`, and begin it at the
-//! end of the stage before it. A stage for every frame, before the decision, begins in `scaled`. Until
-//! [`Pipeline::commit`] only the workspace changes. Locks have their own pipeline (`lock.rs`).
+//! A search computes features and responses. The refiner takes the memory of the features, so learning comes first; the
+//! decision drops its result if the refiner takes too much evidence. To add a stage, add it to `Stage` and `next_piece`,
+//! and begin it at the end of the stage before it. A stage for every frame, before the decision, begins in `scaled`.
+//! Until [`Pipeline::commit`] only the workspace changes. Locks have their own pipeline (`lock.rs`).
 
 use super::super::arithmetic::quotient;
 use super::super::config::Config;
@@ -21,7 +21,7 @@ use super::super::decision::{Confidence, Doubt, Evidence, Memory, Track};
 use super::super::features::Lattice;
 use super::super::features::{Grid, Motion, Place};
 use super::super::filter::{Borrowed, CODED, Learning, ScaleSearch, Tools, scale};
-use super::super::refiner::Refiner;
+use super::super::refiner::{Logit, Outputs, Refiner};
 use super::super::verification::{Alignment, COPIED, Candidate, REFINED, Refined, Verification, Verified, refine};
 use super::buffers::Buffers;
 use super::inputs::Inputs;
@@ -42,7 +42,8 @@ enum Stage {
     /// Begins the next window of the sweep, if one remains.
     Sweep,
     Learning(Learning),
-    Refiner(Refiner),
+    /// Runs the network on the box of the candidate.
+    Refiner(Refiner, Candidate),
 }
 
 #[derive(Clone, Copy)]
@@ -57,6 +58,8 @@ pub(crate) struct Pipeline {
     /// The candidate on which the answer is based: that of the first window, or the one that redetection accepted.
     candidate: Candidate,
     alignment: Alignment,
+    /// The evidence at the target's last place, which a find must exceed.
+    there: Evidence,
     /// The length of the filter's step, with 44 fractional bits, if the tracker learns from this frame.
     learned: Option<i64>,
 }
@@ -76,6 +79,7 @@ impl Pipeline {
             track: *inputs.track,
             candidate: Candidate::NONE,
             alignment: (0, 0),
+            there: Evidence::NONE,
             learned: None,
         }
     }
@@ -125,7 +129,7 @@ impl Pipeline {
                 match verified {
                     None => {}
                     Some(Verified { candidate, .. }) if self.redetects.is_some() => {
-                        self.redetect(inputs.config, candidate);
+                        self.redetect(inputs, candidate, buffers);
                     }
                     Some(verified) => self.stage = Stage::Refinement(verified),
                 }
@@ -134,27 +138,23 @@ impl Pipeline {
             Stage::Scale(search) => {
                 let (tools, mut borrowed) = scale_search(inputs, buffers);
                 if let Some(scale) = search.next_piece(&tools, frame, &mut borrowed, budget) {
-                    self.scaled(inputs, scale, buffers);
+                    self.scaled(inputs, scale, buffers, budget);
                 }
             }
             Stage::Sweep => self.search_window(inputs, buffers),
             Stage::Learning(learning) => {
                 let length = inputs.learn(learning, buffers, budget);
                 if length.is_some() {
-                    (self.learned, self.stage) = (length, Stage::Done);
-                    if inputs.config.refines() {
-                        self.begin_refiner(buffers);
-                    }
+                    self.learned = length;
+                    self.examine(inputs, buffers, budget);
                 }
             }
-            Stage::Refiner(refiner) => {
+            Stage::Refiner(refiner, _) => {
                 let Buffers { extractor, large, .. } = buffers;
                 let (backend, first) = (inputs.config.backend(), &inputs.memory.first);
                 let estimate = refiner.next_piece(backend, frame, first, extractor.sampling(), large, budget);
                 if let Some(estimate) = estimate {
-                    self.stage = Stage::Done;
-                    let doubts = self.track.review.update(estimate, self.learned.is_some());
-                    self.track.doubt = self.track.doubt.after(doubts);
+                    self.judge(inputs, &estimate, buffers, budget);
                 }
             }
         }
@@ -188,8 +188,8 @@ impl Pipeline {
         (self.candidate, self.alignment) = (candidate, alignment);
         let last = candidate.place.scale;
         match refined {
-            _ if !inputs.config.size => self.scaled(inputs, last, buffers),
-            Some(Refined { growth, .. }) => self.scaled(inputs, scale::grown(last, growth), buffers),
+            _ if !inputs.config.size => self.scaled(inputs, last, buffers, budget),
+            Some(Refined { growth, .. }) => self.scaled(inputs, scale::grown(last, growth), buffers, budget),
             None => {
                 let (tools, mut borrowed) = scale_search(inputs, buffers);
                 self.stage = Stage::Scale(ScaleSearch::begin(candidate.place, &tools, &mut borrowed));
@@ -197,31 +197,71 @@ impl Pipeline {
         }
     }
 
-    /// Sets the candidate's scale. Then decides the state, because place and scale are now final.
+    /// Sets the candidate's scale. Place and scale are now final, so learning or the refiner can begin.
     #[inline(never)] // see `next_piece`
-    fn scaled(&mut self, inputs: &Inputs<'_>, scale: u32, buffers: &mut Buffers) {
-        self.candidate.place.scale = scale;
-        self.decide(inputs, buffers);
-    }
-
-    /// Decides the state, and whether to learn, to redetect or only to run the refiner.
-    fn decide(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
+    fn scaled(&mut self, inputs: &Inputs<'_>, scale: u32, buffers: &mut Buffers, budget: &mut Budget) {
         let Self { track, candidate, .. } = self;
-        self.stage = Stage::Done;
+        candidate.place.scale = scale;
         let evidence = Evidence::of(candidate);
-        track.confidence = track.confidence.after(evidence, inputs.config.patience);
-        if track.is_given_up(inputs.config) {
-            track.confidence = Confidence::NONE;
-        }
-        track.motion.follow(candidate.visible.then_some(candidate.place));
-        if track.confidence.state(inputs.config) == State::Lost {
-            (self.redetects, self.stage) = (Some(inputs.config.sweep), Stage::Sweep);
-        } else if evidence.may_be_learned() {
+        let confidence = track.confidence.after(evidence, inputs.config.patience);
+        let is_lost = track.is_given_up(inputs.config) || confidence.state(inputs.config) == State::Lost;
+        if evidence.may_be_learned() && !is_lost {
             // Features and responses are those of the first window, because there was no redetection.
             let target = offset(&inputs.track.grid, self.centre, candidate.place);
             self.stage = Stage::Learning(Learning::begin(target, inputs.config.learning_rate));
-        } else if candidate.visible && inputs.config.refines() {
-            self.begin_refiner(buffers);
+        } else {
+            self.examine(inputs, buffers, budget);
+        }
+    }
+
+    /// Begins the refiner, or decides at once: without the refiner, if the early template gave the exact place and size,
+    /// or if the patch cannot show the target.
+    fn examine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) {
+        let candidate = self.candidate;
+        if inputs.config.refines() && candidate.visible && !candidate.is_exact() {
+            self.begin_refiner(candidate, buffers);
+        } else {
+            self.decide(inputs, None, buffers, budget);
+        }
+    }
+
+    /// Decides the state, and whether to learn or to redetect. `estimate` is the refiner's, if it ran.
+    #[inline(never)] // see `next_piece`
+    fn decide(&mut self, inputs: &Inputs<'_>, estimate: Option<&Outputs>, buffers: &mut Buffers, budget: &mut Budget) {
+        let (config, candidate) = (inputs.config, self.candidate);
+        let track = &mut self.track;
+        self.stage = Stage::Done;
+        let logit = if candidate.is_exact() { Some(Logit::EXACT) } else { estimate.map(Logit::of) };
+        let mut evidence = Evidence::of(&candidate);
+        if config.refines()
+            && let Some(logit) = logit
+        {
+            evidence = evidence.less(logit.veto());
+            track.review.identify(logit);
+        }
+        track.confidence = track.confidence.after(evidence, config.patience);
+        // For a target that was given up, the evidence at the old place does not count.
+        self.there = evidence;
+        if track.is_given_up(config) {
+            (track.confidence, self.there) = (Confidence::NONE, Evidence::NONE);
+        }
+        track.motion.follow(candidate.visible.then_some(candidate.place));
+        let is_lost = track.confidence.state(config) == State::Lost;
+        let refused = config.refines() && (is_lost || !evidence.may_be_learned());
+        if refused && self.learned.take().is_some() {
+            // Learning has replaced the coded weights, which redetection needs.
+            inputs.memory.filter.code(&mut buffers.coded);
+            budget.spend(CODED * track.grid.work_on_weights());
+        }
+        if is_lost {
+            (self.redetects, self.stage) = (Some(config.sweep), Stage::Sweep);
+        } else if config.refines() {
+            let doubts = match estimate {
+                Some(estimate) => track.review.update(estimate, self.learned.is_some()),
+                None if candidate.is_exact() => track.review.agree(),
+                None => return,
+            };
+            track.doubt = track.doubt.after(doubts);
         }
     }
 
@@ -237,32 +277,53 @@ impl Pipeline {
         }
     }
 
-    /// Accepts the candidate of a window of the sweep if its evidence suffices. Otherwise begins the next window.
+    /// Accepts the candidate of a window of the sweep if its evidence suffices, with the refiner only after a run of the
+    /// network. Otherwise begins the next window.
     #[inline(never)] // see `next_piece`
-    fn redetect(&mut self, config: &Config, candidate: Candidate) {
+    fn redetect(&mut self, inputs: &Inputs<'_>, candidate: Candidate, buffers: &mut Buffers) {
         self.stage = Stage::Sweep;
-        let Self { track, .. } = self;
-        let evidence = Evidence::of(&candidate);
-        // For a target that was given up, the evidence at the old place does not count.
-        let there = if track.is_given_up(config) { Evidence::NONE } else { Evidence::of(&self.candidate) };
-        if evidence.finds(there) {
-            track.motion = Motion::at(candidate.place);
-            track.confidence = Confidence::found(evidence, config);
-            track.review.begin_again();
-            track.doubt = Doubt::NONE;
-            (self.candidate, self.stage) = (candidate, Stage::Done);
+        if !Evidence::of(&candidate).finds(self.there, inputs.config) {
+            return;
+        }
+        if inputs.config.refines() {
+            self.begin_refiner(candidate, buffers);
+        } else {
+            self.find(inputs.config, &candidate);
         }
     }
 
-    /// Begins the refiner in the memory of the features, unless the early template gave the exact place and size.
+    /// In redetection accepts the candidate if the network recognises the target in its box, or begins the next window.
+    /// Otherwise decides the state.
     #[inline(never)] // see `next_piece`
-    fn begin_refiner(&mut self, buffers: &mut Buffers) {
-        let Self { track, candidate, .. } = self;
+    fn judge(&mut self, inputs: &Inputs<'_>, estimate: &Outputs, buffers: &mut Buffers, budget: &mut Budget) {
+        match self.stage {
+            Stage::Refiner(_, candidate) if self.redetects.is_some() => {
+                self.stage = Stage::Sweep;
+                if Logit::of(estimate).finds() {
+                    self.find(inputs.config, &candidate);
+                }
+            }
+            _ => self.decide(inputs, Some(estimate), buffers, budget),
+        }
+    }
+
+    fn find(&mut self, config: &Config, candidate: &Candidate) {
+        let track = &mut self.track;
+        track.motion = Motion::at(candidate.place);
+        track.confidence = Confidence::found(Evidence::of(candidate), config);
+        track.review.begin_again();
+        track.doubt = Doubt::NONE;
+        (self.candidate, self.stage) = (*candidate, Stage::Done);
+    }
+
+    /// Begins the refiner at a candidate's box, in the memory of the features.
+    #[inline(never)] // see `next_piece`
+    fn begin_refiner(&mut self, candidate: Candidate, buffers: &mut Buffers) {
+        let Self { track, .. } = self;
         let Buffers { extractor, large, .. } = buffers;
-        if candidate.is_exact() {
-            track.doubt = track.doubt.after(track.review.agree());
-        } else if let Some(refiner) = Refiner::begin(track.bbox(), track.bounds, extractor.sampling(), large) {
-            self.stage = Stage::Refiner(refiner);
+        let target = track.corrected(candidate.place);
+        if let Some(refiner) = Refiner::begin(target, track.bounds, extractor.sampling(), large) {
+            self.stage = Stage::Refiner(refiner, candidate);
         }
     }
 

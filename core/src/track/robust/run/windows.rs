@@ -51,7 +51,10 @@ pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
     let (mut sweep, mut all) = (track.sweep, Rect::default());
     for _ in 0..config.sweep {
         let (place, is_last) = next_sweep_window(track, config, sweep);
-        let window = pixels(track, &place, config.reach() + MARGIN_CELLS);
+        let mut window = pixels(track, &place, config.reach() + MARGIN_CELLS);
+        if config.refines() {
+            window = union(window, crops(track, place, (config.reach() + 1) * CELL));
+        }
         all = if all.is_empty() { window } else { union(all, window) };
         sweep.move_on();
         if is_last {
@@ -80,9 +83,13 @@ fn pixels(track: &Track, place: &Place, reach: u16) -> Rect {
 /// and the scale may grow by a step.
 fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
     let [_, larger] = other_scales(centre.scale);
-    let pixels = (reach + 1) * CELL + MARGIN + 2;
-    let by = i64::from(pixels) * track.grid.step_at(larger);
-    reachable(track.corrected(Place { scale: larger, ..centre }), by, track.bounds)
+    crops(track, Place { scale: larger, ..centre }, (reach + 1) * CELL + MARGIN + 2)
+}
+
+/// The pixels of the refiner's crops at `place` and up to `pixels` pixels of the grid around it.
+fn crops(track: &Track, place: Place, pixels: u16) -> Rect {
+    let by = i64::from(pixels) * track.grid.step_at(place.scale);
+    reachable(track.corrected(place), by, track.bounds)
 }
 
 #[inline(never)]

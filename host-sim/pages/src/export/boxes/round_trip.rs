@@ -27,6 +27,7 @@ impl Cell {
             ratio: 0.5,
             runner_up_ratio: None,
             alpha: None,
+            identity: None,
             scale: 1.0,
             found_again: false,
         };
