@@ -22,7 +22,7 @@ from refiner_training.tracked import HostSim
 TARGET = Path(__file__).resolve().parents[2] / "target"
 OTHER = {"a": "b", "b": "a"}
 # Numbers of samples for the report. They are drawn with another seed than the samples for training.
-REPORT_PAIRS, REPORT_CUTOUTS = 4000, 2000
+REPORT_COUNTS = {"pairs": 4000, "cutouts": 2000, "others": 6000}
 
 
 class Parser(argparse.ArgumentParser):
@@ -40,6 +40,7 @@ def options():
     parser.add_argument("--cache", type=Path, default=TARGET / "training", metavar="DIR", help="frames and tracker's boxes [target/training]")
     parser.add_argument("--pairs", type=count, default=350_000, metavar="N", help="samples from pairs of frames [350000]")
     parser.add_argument("--cutouts", type=count, default=190_000, metavar="N", help="samples that are made [190000]")
+    parser.add_argument("--others", type=count, default=270_000, metavar="N", help="samples of other things, and of the disturbed target [270000]")
     parser.add_argument("--steps", type=count, default=10_000, metavar="N", help="steps of 256 samples [10000]")
     parser.add_argument("--seed", type=count, default=1, metavar="N", help="[1]")
     parser.add_argument("--processes", type=count, default=len(os.sched_getaffinity(0)), metavar="N", help="for samples [one a core]")
@@ -83,11 +84,11 @@ def run(chosen, found):
     content = recipe.recipe(shlex.join(["python", *sys.argv]), settings(chosen), host_sim, found, tracked, data, results)
     chosen.out.write_bytes(data)
     chosen.out.with_suffix(".json").write_text(recipe.text(content))
-    return report.table(results["kinds"], f"Mean absolute errors, before to after, on {results['on']}")
+    return report.table(results)
 
 
 def settings(chosen):
-    return {name: getattr(chosen, name) for name in ("half", "seed", "pairs", "cutouts", "steps")}
+    return {name: getattr(chosen, name) for name in ("half", "seed", "pairs", "cutouts", "others", "steps")}
 
 
 def prepared(found, host_sim, chosen):
@@ -119,18 +120,19 @@ def trained(chosen, sources, folder):
     # Imported here, because JAX takes a second to load, and neither the processes that draw samples nor the checks of the input need JAX.
     from refiner_training import fit, network
 
-    drawn = samples.draw(sources, chosen.pairs, chosen.cutouts, chosen.seed, folder, chosen.processes)
+    counts = {source: getattr(chosen, source) for source in samples.SOURCES}
+    drawn = samples.draw(sources, counts, chosen.seed, folder, chosen.processes)
     return network.whole(fit.fit(drawn, chosen.steps, chosen.seed))
 
 
 def judged(chosen, sources, parameters, folder):
     """The report: the samples that it is on, and the errors by kind of sample."""
-    drawn = samples.draw(sources, REPORT_PAIRS, REPORT_CUTOUTS, chosen.seed + 1_000_000, folder, chosen.processes)
+    drawn = samples.draw(sources, REPORT_COUNTS, chosen.seed + 1_000_000, folder, chosen.processes)
     if chosen.half == "all":
         on = "held-out samples of the recordings trained on: unseen recordings do worse (see --half a)"
     else:
         on = f"half {OTHER[chosen.half]}, whose recordings were not trained on"
-    return {"on": on, "kinds": report.measured(parameters, drawn)}
+    return {"on": on, "kinds": report.measured(parameters, drawn), "match": report.matched(parameters, drawn)}
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
     python core/training/vectors.py weights.bin vectors.json
 
-Twenty random pairs of crops (32x32 gray levels, row by row), and the six outputs for each pair, in units of 1/4096.
+Twenty random pairs of crops (32x32 gray levels, row by row), and the seven outputs for each pair, in units of 1/4096.
 """
 
 import argparse

@@ -10,6 +10,8 @@ from . import boxes
 
 # Minimum side of a target in pixels of the recording: the size of a smaller target cannot be recognised.
 SMALLEST_SIDE = 3
+# Overlap (IoU) below which the tracker's box counts as wrong.
+MISTAKEN_BELOW = 0.05
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,18 @@ class Clip:
     def visible(self):
         """Indices of the frames with a true box."""
         return [index for index, box in enumerate(self.truth) if box is not None]
+
+    @cached_property
+    def mistaken(self):
+        """Frames with a box that does not show the target, as (index, box): the tracker's wrong box, or the place of a target that has left."""
+        found, last = [], None
+        for index, (truth, answer) in enumerate(zip(self.truth, self.tracked)):
+            last = truth if truth is not None else last
+            if answer is not None and (truth is None or boxes.intersection_over_union(answer, truth) < MISTAKEN_BELOW):
+                found.append((index, answer))
+            elif truth is None and last is not None:
+                found.append((index, last))
+        return found
 
 
 def large(box):

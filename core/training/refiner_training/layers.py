@@ -1,7 +1,7 @@
 """The table of the network's layers, as in the tracker's code.
 
-Two crops -> four 3x3 convolutions with padding 1 -> 4x4x24 features -> 24 -> 6 outputs: dx, dy in sides of the box, log width, log height,
-and the log spreads of place and size. Pixels lie row by row, the channels of a pixel side by side.
+Two crops -> four 3x3 convolutions with padding 1 -> 4x4x24 features -> 24 -> 7 outputs: dx, dy in sides of the box, log width, log height,
+the log spreads of place and size, and a quarter of the match logit. Pixels lie row by row, the channels of a pixel side by side.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ LAYERS = (
     Layer(16, 24, 7, 1),
     Layer(24, 24, 7, 2),
     Layer(384, 24, 8),
-    Layer(24, 6, 8),
+    Layer(24, 7, 8),
 )
 LARGEST_WEIGHT = 127
 LARGEST_ACTIVATION = 127

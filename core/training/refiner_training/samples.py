@@ -1,25 +1,20 @@
 """Draws samples on all cores. Each chunk has its own seed, so the samples do not depend on the number of cores."""
 
+import itertools
 import multiprocessing
 from dataclasses import dataclass
-from enum import IntEnum
 
 import cv2
 import numpy as np
 
-from . import clips, crops, cutouts, pairs
+from . import clips, crops, cutouts, disturbances, others, pairs
 from .errors import BadInput
+from .kinds import CORRECTED, Kind
 from .progress import Progress
 
 CHUNK = 2500
-
-
-class Kind(IntEnum):
-    """The source of a sample and of its box's error."""
-
-    JITTERED = 0  # a pair of frames, drawn at random
-    TRACKED = 1  # a pair of frames, the tracker's own
-    CUTOUT = 2  # a made sample
+# Share of samples whose present crop is in poor light.
+DIMMED_SHARE = 0.3
 
 
 @dataclass(frozen=True)
@@ -31,23 +26,31 @@ class Samples:
     def __len__(self):
         return len(self.inputs)
 
+    @property
+    def corrected(self):
+        """Number of samples with a correction to learn; they come first."""
+        return int(np.isin(self.kinds, CORRECTED).sum())
+
 
 @dataclass(frozen=True)
 class Chunk:
     folder: str
     seed: tuple
-    cutouts: bool
+    source: str  # a key of SOURCES
     start: int
     count: int
 
 
-def draw(sources, pair_count, cutout_count, seed, folder, processes):
-    """Draws samples into files in `folder`: pairs, then cut-outs."""
+def draw(sources, counts, seed, folder, processes):
+    """Draws samples into files in `folder`: as many of each source as `counts` says, in the order of SOURCES."""
     # Checks the recordings before processes start, because a pool whose processes fail at their start never ends.
     if not clips.read(sources):
         raise BadInput("no recording shows its target in two frames")
-    samples = opened(folder, pair_count + cutout_count)
-    chunks = [*chunked(folder, seed, False, 0, pair_count), *chunked(folder, seed, True, pair_count, cutout_count)]
+    samples = opened(folder, sum(counts.values()))
+    chunks, start = [], 0
+    for source in SOURCES:
+        chunks += chunked(folder, seed, source, start, counts[source])
+        start += counts[source]
     # Spawns processes, because a fork would copy locks that threads of OpenCV and JAX may hold.
     with multiprocessing.get_context("spawn").Pool(processes, prepare, (sources,)) as pool, Progress("samples", len(samples)) as progress:
         for count in pool.imap_unordered(fill, chunks):
@@ -68,9 +71,9 @@ def opened(folder, count=None):
     return Samples(**arrays)
 
 
-def chunked(folder, seed, made, start, count):
+def chunked(folder, seed, source, start, count):
     for index, offset in enumerate(range(0, count, CHUNK)):
-        yield Chunk(str(folder), (seed, int(made), index), made, start + offset, min(CHUNK, count - offset))
+        yield Chunk(str(folder), (seed, list(SOURCES).index(source), index), source, start + offset, min(CHUNK, count - offset))
 
 
 # The clips that this worker process draws from.
@@ -87,15 +90,22 @@ def fill(chunk):
     rng = np.random.default_rng(chunk.seed)
     samples = opened(chunk.folder)
     raw = np.empty((chunk.count, 2, crops.SIDE, crops.SIDE), np.uint8)
-    for index in range(chunk.count):
-        place = chunk.start + index
-        raw[index, 0], raw[index, 1], samples.corrections[place], samples.kinds[place] = sample(rng, chunk.cutouts)
+    drawn = itertools.chain.from_iterable(SOURCES[chunk.source](rng, CLIPS) for _ in itertools.count())
+    for index, (first, present, correction, kind) in enumerate(itertools.islice(drawn, chunk.count)):
+        raw[index] = first, disturbances.dimmed(rng, present) if rng.random() < DIMMED_SHARE else present
+        samples.corrections[chunk.start + index], samples.kinds[chunk.start + index] = correction, kind
     samples.inputs[chunk.start : chunk.start + chunk.count] = crops.normalised(raw).transpose(0, 2, 3, 1)
     return chunk.count
 
 
-def sample(rng, made):
-    if made:
-        return *cutouts.drawn(rng, CLIPS), Kind.CUTOUT
-    first, present, change, tracked = pairs.drawn(rng, CLIPS)
-    return first, present, change, Kind.TRACKED if tracked else Kind.JITTERED
+def pair(rng, drawn_from):
+    first, present, change, tracked = pairs.drawn(rng, drawn_from)
+    return [(first, present, change, Kind.TRACKED if tracked else Kind.JITTERED)]
+
+
+def cutout(rng, drawn_from):
+    return [(*cutouts.drawn(rng, drawn_from), Kind.CUTOUT)]
+
+
+# Each source draws a group of samples from clips.
+SOURCES = {"pairs": pair, "cutouts": cutout, "others": others.drawn}

@@ -8,7 +8,7 @@ from refiner_training.layers import LAYERS, OUTPUT_UNIT
 
 
 def test_the_size_of_the_file():
-    assert weights.SIZE == 4 * (8 + 16 + 24 + 24 + 24 + 6) + 8 * 20 + 16 * 72 + 24 * 144 + 24 * 216 + 24 * 384 + 6 * 24 == 19720
+    assert weights.SIZE == 4 * (8 + 16 + 24 + 24 + 24 + 7) + 8 * 20 + 16 * 72 + 24 * 144 + 24 * 216 + 24 * 384 + 7 * 24 == 19748
 
 
 def test_jax_and_integers_agree(parameters, inputs):

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from refiner_training import boxes, crops, cutouts, offsets
+from refiner_training import boxes, clips, crops, cutouts, disturbances, offsets, others, recordings as found, report
+from refiner_training.kinds import OTHERS
 
 
 def test_a_pixel_of_a_crop_lies_where_the_format_says():
@@ -79,3 +80,42 @@ def test_the_content_of_a_piece_does_not_shift():
     piece = cutouts.Piece(frame, box, np.full((64, 64), 255, np.uint8))
     pasted = cutouts.pasted(piece, cutouts.UNIT, 0.0, np.zeros((32, 32), np.float32))
     assert pasted[4:-4, 4:-4] == pytest.approx(crops.crop(frame, box)[4:-4, 4:-4].astype(float), abs=1)
+
+
+def test_other_things_do_not_show_the_target(recordings, tmp_path):
+    sources = [
+        clips.Source(recording.truth, found.cached_frames(recording, tmp_path), recording.truth, recording.reduction())
+        for recording in found.find([recordings])
+    ]
+    read = clips.read(sources)
+    rng = np.random.default_rng(5)
+    kinds = set()
+    for _ in range(300):
+        group = others.drawn(rng, read)
+        assert 1 <= len(group) <= others.MAX_PLACES
+        for first, present, change, kind in group:
+            kinds.add(kind)
+            assert first.shape == present.shape == (32, 32) and present.dtype == np.uint8
+            assert kind not in OTHERS or not change.any()
+    # The tracker's boxes are the true ones here, so there is no mistake.
+    assert set(OTHERS) - kinds == {others.Kind.MISTAKEN}
+
+
+def test_the_best_place_that_resembles_the_target_is_the_target():
+    rng = np.random.default_rng(6)
+    frame = rng.integers(0, 255, (90, 120), dtype=np.uint8)
+    truth = np.array([60.0, 40, 12, 12])
+    best, *_ = others.peaks(frame, truth, others.inside(frame, truth))
+    assert best == pytest.approx(truth[:2], abs=1)
+
+
+def test_a_turn_keeps_the_middle():
+    matrix = crops.to_frame(np.array([50.0, 40, 20, 10]))
+    middle = np.array([15.5, 15.5])
+    turned = disturbances.turned(matrix, 0.3)
+    assert turned[:, :2] @ middle + turned[:, 2] == pytest.approx(matrix[:, :2] @ middle + matrix[:, 2])
+    assert disturbances.turned(matrix, 0.0) == pytest.approx(matrix)
+
+
+def test_the_area_is_the_share_of_ordered_pairs():
+    assert report.area(np.array([2, 3]), np.array([1, 2, 5])) == pytest.approx((1 + 0.5 + 1 + 1) / 6, abs=1e-4)

@@ -18,7 +18,7 @@ TRAIN = Path(__file__).parents[1] / "train.py"
 @pytest.fixture
 def train(recordings, host_sim, tmp_path):
     def run(*arguments, folder=recordings, program=host_sim, cache="cache"):
-        small = ["--pairs", "600", "--cutouts", "300", "--steps", "4", "--cache", tmp_path / cache]
+        small = ["--pairs", "600", "--cutouts", "300", "--others", "300", "--steps", "4", "--cache", tmp_path / cache]
         command = [sys.executable, TRAIN, *small, folder, *arguments, "--host-sim", program]
         return subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
 
@@ -45,6 +45,7 @@ def test_the_recipe_and_the_report(train, tmp_path):
     assert recipe["weights"]["sha256"] == hashlib.sha256((tmp_path / "weights.bin").read_bytes()).hexdigest()
     assert "on half a, whose recordings were not trained on" in done.stdout
     assert set(recipe["report"]["kinds"]) == {"pairs, random error", "pairs, the tracker's error", "cut-outs"}
+    assert set(recipe["report"]["match"]) >= {"all", "beside", "resembling", "other piece"}
     # Only the cache remains; temporary files are deleted.
     assert sorted(path.name for path in (tmp_path / "cache").iterdir()) == ["frames", "tracked"]
 
