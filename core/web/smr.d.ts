@@ -41,7 +41,7 @@ export declare const State: {
 };
 export type State = (typeof State)[keyof typeof State];
 
-/** The answer of an update. Ratios and the confidence are in units of 1/65535. */
+/** The answer of an update. Ratios, the confidence and the identity are in units of 1/65535. */
 export interface Answer {
   box: Rect;
   /** The box in units of 1/256 pixel. */
@@ -55,6 +55,11 @@ export interface Answer {
   runnerUpRatio: number | null;
   /** The paper's threshold in gray levels; null from the robust tracker. */
   alpha: number | null;
+  /**
+   * The judgement of the refiner's network that the box shows the target of the lock, a running mean over about four frames: 65535 is certain,
+   * 32768 undecided, 0 certain that it shows something else. Below 38229 the state is "uncertain" or "lost". Null without the refiner.
+   */
+  identity: number | null;
   /** The target's size compared with the lock, in units of 1/65536. */
   scale: number;
   /** True in the frame in which a lost target was found. */

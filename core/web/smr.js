@@ -31,7 +31,9 @@ const ANSWER = struct({
   ratio: u16,
   runnerUpRatio: u16,
   alpha: u16,
+  identity: u16,
   hasRunnerUp: flag,
+  hasIdentity: flag,
   foundAgain: flag,
 });
 const RESPONSE_SPAN = 17;
@@ -554,7 +556,7 @@ export class Tracker {
     });
   }
 
-  #answerOf({ bbox, fine, state, confidence, ratio, runnerUpRatio, alpha, scale, hasRunnerUp, foundAgain }) {
+  #answerOf({ bbox, fine, state, confidence, ratio, runnerUpRatio, alpha, identity, scale, hasRunnerUp, hasIdentity, foundAgain }) {
     return {
       box: bbox,
       fineBox: fine,
@@ -563,6 +565,7 @@ export class Tracker {
       ratio,
       runnerUpRatio: hasRunnerUp ? runnerUpRatio : null,
       alpha: alpha === 0 ? null : alpha,
+      identity: hasIdentity ? identity : null,
       scale,
       foundAgain,
       work: this.#get("smr_work", "number"),

@@ -317,7 +317,8 @@ static void print(const mp_print_t *out, mp_obj_t self_in, mp_print_kind_t kind)
 
 static mp_obj_t answer_of(const smr_answer *answer) {
     TABLE qstr names[] = {
-        MP_QSTR_box, MP_QSTR_fine_box, MP_QSTR_state, MP_QSTR_confidence, MP_QSTR_ratio, MP_QSTR_runner_up_ratio, MP_QSTR_alpha, MP_QSTR_scale, MP_QSTR_found_again,
+        MP_QSTR_box, MP_QSTR_fine_box, MP_QSTR_state, MP_QSTR_confidence, MP_QSTR_ratio, MP_QSTR_runner_up_ratio, MP_QSTR_alpha, MP_QSTR_identity,
+        MP_QSTR_scale, MP_QSTR_found_again,
     };
     const mp_obj_t items[] = {
         rect(answer->bbox.x, answer->bbox.y, answer->bbox.width, answer->bbox.height),
@@ -327,6 +328,7 @@ static mp_obj_t answer_of(const smr_answer *answer) {
         MP_OBJ_NEW_SMALL_INT(answer->ratio),
         answer->has_runner_up ? MP_OBJ_NEW_SMALL_INT(answer->runner_up_ratio) : mp_const_none,
         answer->alpha > 0 ? MP_OBJ_NEW_SMALL_INT(answer->alpha) : mp_const_none,
+        answer->has_identity ? MP_OBJ_NEW_SMALL_INT(answer->identity) : mp_const_none,
         mp_obj_new_int_from_uint(answer->scale),
         mp_obj_new_bool(answer->found_again),
     };

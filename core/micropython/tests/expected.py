@@ -27,6 +27,7 @@ def line(answer):
         units(answer["ratio"], 65535),
         units(answer["runner_up_ratio"], 65535),
         NOTHING if answer["alpha"] is None else answer["alpha"],
+        units(answer["identity"], 65535),
         units(answer["scale"], 65536),
         int(answer["found_again"]),
     ))

@@ -20,6 +20,7 @@ def line(answer):
         answer.ratio,
         NOTHING if answer.runner_up_ratio is None else answer.runner_up_ratio,
         NOTHING if answer.alpha is None else answer.alpha,
+        NOTHING if answer.identity is None else answer.identity,
         answer.scale,
         int(answer.found_again),
     ))

@@ -2,7 +2,7 @@
 
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
 // Each column's factor from received to stored values: the integer that stands for 1.0 in the trackers and figures.js.
-const UNITS = { x: 1, y: 1, width: 1, height: 1, confidence: 65535, alpha: 1, ratio: 65535, scale: 65536, work: 1, runnerUpRatio: 65535 };
+const UNITS = { x: 1, y: 1, width: 1, height: 1, confidence: 65535, alpha: 1, ratio: 65535, scale: 65536, work: 1, runnerUpRatio: 65535, identity: 65535 };
 const COLUMNS = Object.keys(UNITS);
 const MIN = 1024;
 

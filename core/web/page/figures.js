@@ -14,6 +14,7 @@ const ROWS = [
   ["confidence", (now) => part(now.confidence, 65535)],
   ["ratio", (now) => part(now.ratio, 65535)],
   ["alpha", (now) => whole(now.alpha)],
+  ["identity", (now) => part(now.identity, 65535)],
   ["size", (now) => part(now.scale, 65536)],
   ["box", (now) => (now.state === "lost" ? "–" : placed(now.box))],
   ["work", (now) => millions(now.work)],
@@ -46,9 +47,11 @@ const STATES = ["tracking", "leaving", "uncertain", "lost"];
 export function chartsOf(place, method, around) {
   const lines = (column, read) => (around === undefined ? [] : [{ title: SHORT[method], look: method, numbers: around.last("number"), values: around.last(column).map(read) }]);
   const part = (value) => value / 65535;
+  const curve = (title, column) => ({ place, title, most: 1, digits: 3, lines: lines(column, part) });
   return [
     { place, title: "States", bands: lines("state", (state) => STATES[state]) },
-    { place, title: "Confidence", most: 1, digits: 3, lines: lines("confidence", part) },
-    { place, title: "Ratio", most: 1, digits: 3, lines: lines("ratio", part) },
+    curve("Confidence", "confidence"),
+    ...(method === "paper" ? [] : [curve("Identity", "identity")]),
+    curve("Ratio", "ratio"),
   ];
 }

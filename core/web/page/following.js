@@ -240,10 +240,10 @@ const locked = (number, box, quality) => {
 };
 
 // Converts an answer of the worker to the array that answers.js reads.
-function shown(id, { number, state, fineBox: { x, y, width, height }, confidence, alpha, ratio, scale, work, runnerUpRatio }) {
+function shown(id, { number, state, fineBox: { x, y, width, height }, confidence, alpha, ratio, scale, work, runnerUpRatio, identity }) {
   const part = (value, unit) => (value === undefined || value === null ? undefined : value / unit);
   return [
     id, number, state, x / 256, y / 256, width / 256, height / 256, part(confidence, 65535), alpha ?? undefined, part(ratio, 65535), part(scale, 65536), work,
-    part(runnerUpRatio, 65535),
+    part(runnerUpRatio, 65535), part(identity, 65535),
   ];
 }

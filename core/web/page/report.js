@@ -14,6 +14,7 @@ import { Timeline } from "./timeline.js";
 const CURVES = [
   { title: "IoU", key: "iou", most: 1, digits: 2 },
   { title: "Confidence", key: "confidence", most: 1, digits: 3 },
+  { title: "Identity", key: "identity", most: 1, digits: 3 },
   { title: "Centre error, pixels", key: "error", digits: 1 },
   { title: "Size, pixels (root of the box's area)", key: "size", digits: 1 },
   { title: "Ratio (dotted: runner-up)", key: "ratio", second: "runner_up", most: 1, digits: 3 },

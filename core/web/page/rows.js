@@ -1,6 +1,6 @@
 // Formats the trackers' answers as `host-sim track --format csv` and `host-sim track --json` do.
 
-const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
+const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work\n";
 
 // Rounds to six decimals, as host-sim does.
 const rounded = (value, unit) => (Number.isFinite(value) ? Math.round((value / unit) * 1e6) / 1e6 : null);
@@ -27,9 +27,9 @@ function inOrder(named) {
 }
 
 function csvLine(row, timeOf) {
-  const { frame, time, state, fine, confidence, ratio, runner_up_ratio, alpha, scale, work } = ofRow(row, timeOf);
+  const { frame, time, state, fine, confidence, ratio, runner_up_ratio, alpha, identity, scale, work } = ofRow(row, timeOf);
   const box = fine === null ? ["", "", "", ""] : [fine.x, fine.y, fine.width, fine.height];
-  return [frame, time, ...box, state, confidence, ratio, runner_up_ratio, alpha, scale, work].map((value) => value ?? "").join(",");
+  return [frame, time, ...box, state, confidence, ratio, runner_up_ratio, alpha, identity, scale, work].map((value) => value ?? "").join(",");
 }
 
 function ofRow({ number, state, box: { x, y, width, height }, fineBox: fine, alpha, foundAgain, work, ...row }, timeOf) {
@@ -44,6 +44,7 @@ function ofRow({ number, state, box: { x, y, width, height }, fineBox: fine, alp
     ratio: rounded(row.ratio, 65535),
     runner_up_ratio: rounded(row.runnerUpRatio ?? NaN, 65535),
     alpha: alpha ?? null,
+    identity: rounded(row.identity ?? NaN, 65535),
     scale: rounded(row.scale, 65536),
     found_again: foundAgain ?? null,
     work: work ?? null,

@@ -70,7 +70,8 @@ function answer(content) {
     ratio: number(20),
     runnerUpRatio: flags & 2 ? number(22) : null,
     alpha: flags & 4 ? number(24) : null,
-    scale: content.readUInt32LE(26),
+    identity: flags & 8 ? number(26) : null,
+    scale: content.readUInt32LE(28),
   };
 }
 

@@ -45,12 +45,13 @@ const millionths = (value, unit) => Math.round((1e6 * value) / unit) / 1e6;
  * Converts an answer to host-sim's JSON, which has no box of a lost target. The work of the paper tracker is left
  * out, because it depends on the tracker's capacity, which is larger in host-sim.
  */
-function printed({ box, fineBox, state, confidence, ratio, alpha, scale, foundAgain, work }, method) {
+function printed({ box, fineBox, state, confidence, ratio, alpha, identity, scale, foundAgain, work }, method) {
   const fine = Object.fromEntries(Object.entries(fineBox).map(([side, value]) => [side, value / 256]));
   const boxes = state === "lost" ? { box: null, fine: null } : { box, fine };
   const counted = method === "robust" ? { work } : {};
-  const parts = { confidence: millionths(confidence, 65535), ratio: millionths(ratio, 65535), alpha, scale: millionths(scale, 65536) };
-  return { ...boxes, ...parts, ...counted, state, found_again: foundAgain };
+  const parts = { confidence: millionths(confidence, 65535), ratio: millionths(ratio, 65535), scale: millionths(scale, 65536) };
+  const optional = { alpha, identity: identity === null ? null : millionths(identity, 65535) };
+  return { ...boxes, ...parts, ...optional, ...counted, state, found_again: foundAgain };
 }
 
 for (const method of ["paper", "robust"]) {

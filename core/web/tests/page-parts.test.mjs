@@ -26,7 +26,8 @@ const { Columns } = await import("../page/timeline.js");
 const BOX = { x: 1, y: 2, width: 30, height: 40 };
 const FINE = { x: 257, y: 512, width: 7680, height: 10240 };
 const ANSWER = {
-  box: BOX, fineBox: FINE, state: "tracking", confidence: 65535, ratio: 21845, runnerUpRatio: null, alpha: 10, scale: 65536, foundAgain: false, work: 9,
+  box: BOX, fineBox: FINE, state: "tracking", confidence: 65535, ratio: 21845, runnerUpRatio: null, alpha: 10, identity: null, scale: 65536, foundAgain: false,
+  work: 9,
 };
 
 test("the module draws the built-in recording as host-sim does", { skip: HOST_SIM === undefined && "no host-sim: run .ci/web" }, async () => {
@@ -70,10 +71,10 @@ test("a target is followed from its first box, not where it is gone or refused, 
 
 test("rows are those of host-sim", () => {
   const lock = { number: 7, state: "tracking", box: BOX, fineBox: { x: 256, y: 512, width: 7680, height: 10240 }, quality: 65535 };
-  const rows = [lock, { number: 8, ...ANSWER }, { number: 9, ...ANSWER, state: "lost", confidence: 0, runnerUpRatio: 32767.5 }];
+  const rows = [lock, { number: 8, ...ANSWER }, { number: 9, ...ANSWER, state: "lost", confidence: 0, runnerUpRatio: 32767.5, identity: 49151.25 }];
   const timeOf = (frame) => (frame === 9 ? null : (frame - 1) / 30);
-  const head = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
-  const written = ["7,0.2,1,2,30,40,tracking,,,,,,", "8,0.233333,1.00390625,2,30,40,tracking,1,0.333333,,10,1,9", "9,,,,,,lost,0,0.333333,0.5,10,1,9"];
+  const head = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work\n";
+  const written = ["7,0.2,1,2,30,40,tracking,,,,,,,", "8,0.233333,1.00390625,2,30,40,tracking,1,0.333333,,10,,1,9", "9,,,,,,lost,0,0.333333,0.5,10,0.75,1,9"];
   assert.equal(csv([["1", rows]], timeOf), head + written.map((row) => `${row}\n`).join(""));
   const both = csv([["1", rows], ["2", rows]], timeOf);
   assert.equal(both, `target,${head}${written.flatMap((row) => [`1,${row}\n`, `2,${row}\n`]).join("")}`);
@@ -81,7 +82,7 @@ test("rows are those of host-sim", () => {
   const [locked, , lost] = json([["1", rows]], origin, timeOf).trim().split("\n").map((line) => JSON.parse(line));
   assert.deepEqual(locked, {
     ...origin, frame: 7, time: 0.2, state: "tracking", box: BOX, fine: BOX, confidence: null, ratio: null,
-    runner_up_ratio: null, alpha: null, scale: null, found_again: null, work: null, quality: 1,
+    runner_up_ratio: null, alpha: null, identity: null, scale: null, found_again: null, work: null, quality: 1,
   });
   assert.deepEqual([lost.time, lost.box, lost.fine, lost.found_again, lost.quality], [null, null, null, false, null]);
 });

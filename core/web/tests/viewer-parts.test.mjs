@@ -284,8 +284,9 @@ test("an hour of answers is kept, and its part is given to the curves", () => {
   const { last } = answers.around(1, 99, 102);
   assert.deepEqual([last("number"), last("state"), last("ratio")[0]], [[99, 100, 101, 102], [0, 3, 0, 0], 65535 / 4]);
   assert.ok(last("runnerUpRatio").every(Number.isNaN));
-  answers.take([[...row(1, 5, "tracking"), 0.5]]);
+  answers.take([[...row(1, 5, "tracking"), 0.5, 0.25]]);
   assert.deepEqual([answers.at(1, 4).runnerUpRatio, answers.at(1, 5).runnerUpRatio], [undefined, 65535 / 2]);
+  assert.deepEqual([answers.at(1, 4).identity, answers.at(1, 5).identity], [undefined, 65535 / 4]);
   assert.deepEqual(answers.around(2, 1, 3).last("number"), []);
 });
 
