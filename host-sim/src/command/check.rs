@@ -121,7 +121,7 @@ fn describe(report: &check::Comparison<Counts>, out: &mut impl Write) -> io::Res
         ),
         Counts::Robust(robust::Counts { responses, .. }) => (
             format!("{responses} responses"),
-            "windows, features, responses, weights, early templates, ratios, confidence, states, scales, boxes"
+            "windows, features, responses, weights, early templates, ratios, confidence, identities, states, scales, boxes"
                 .to_owned(),
         ),
     };
