@@ -21,15 +21,15 @@
 //!     |
 //!  scale         the response at other scales, if refinement has not found the size                  1.18
 //!     |
+//!  learning      if there is enough evidence: ridge regression on a Gaussian label (gaussian)        0.97
+//!     |
+//!  refiner       the box by a small learned network, its opinion of it, and the identity (feature `refiner`)
+//!     |
 //!  confidence    the state: tracking, uncertain, lost
 //!     |      \
 //!     |       redetection   if the target is lost: up to four windows, searched and verified        10.28
 //!     |
-//!  learning      if there is enough evidence: ridge regression on a Gaussian label (gaussian)        0.97
-//!     |
-//!  refiner       the box by a small learned network (feature `refiner`), and its opinion of it
-//!     |
-//!   answer        its state is the worse of those of confidence and opinion                   14.15 in all
+//!   answer        its state is the worst of confidence, opinion and identity                   14.15 in all
 //! ```
 //!
 //! The figures are the most work of each stage in millions of units, without the refiner (`run/most_work.rs`; a unit is

@@ -116,7 +116,7 @@ pub struct Numbers {
     pub sweep: i64,
     pub found_from: f64,
     pub better_by: f64,
-    /// The same two with the network, and the logit that a find then needs.
+    /// Minimum evidence and lead of a find that the network must recognise, and its minimum logit.
     pub recognised_from: f64,
     pub recognised_better_by: f64,
     pub recognised_logit: f64,

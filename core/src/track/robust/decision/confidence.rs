@@ -60,7 +60,7 @@ impl Evidence {
         self.0 >= LEARNED_FROM
     }
 
-    /// True if the evidence suffices to find a lost target again, with the refiner only if the network recognises it.
+    /// True if the evidence suffices to find a lost target again; with the refiner the network must also recognise it.
     /// `there` is the evidence at the target's last place.
     pub(crate) fn finds(self, there: Self, config: &Config) -> bool {
         let Find { from, lead } = if config.refines() { RECOGNISED_FIND } else { FIND };

@@ -13,7 +13,8 @@
 //! | end of an update | | | | reads the direction | | | reads the view |
 //! | lock: first crop | samples it | | | | | writes it, until the end of the lock | |
 //!
-//! Redetection overwrites `large`, `responses` and `comparison`, because it excludes learning in the same frame.
+//! Redetection and the refiner overwrite what learning reads, so they come after it. Redetection codes the weights again
+//! if the refiner has refused a frame that was learned.
 
 use super::super::constants::{CHANNELS, MAX_CELLS, MAX_SIDE, REACH, WEIGHTS};
 use super::super::features::Extractor;
