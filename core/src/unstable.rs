@@ -23,8 +23,15 @@ pub fn weights(target: &Robust) -> &[i32] {
     target.weights()
 }
 
+/// The radius of the next update's search window, in cells: `Config::reach`, or less around a calm target. `None` before
+/// the first lock.
+#[must_use]
+pub fn reach(target: &Robust) -> Option<u16> {
+    target.reach()
+}
+
 /// The features that the next update would compute from `frame`, row by row: [`CHANNELS`](crate::robust::CHANNELS)
-/// bytes for each cell of the search window, which exceeds the filter by `Config::reach` cells on each side.
+/// bytes for each cell of the search window, which exceeds the filter by [`reach`] cells on each side.
 ///
 /// # Errors
 /// As [`Target::update`](crate::Target::update). Cancels an update under way in this workspace.
@@ -33,7 +40,7 @@ pub fn features<'a>(target: &Robust, workspace: &'a mut Workspace, frame: &Frame
 }
 
 /// The correlation filter's responses to the [`features`], in units of 1/16384, without the distance penalty: entry
-/// `[reach + y][reach + x]` for an offset of (x, y) cells. Entries with an index above 2 * `Config::reach` are 0.
+/// `[reach + y][reach + x]` for an offset of (x, y) cells. Entries with an index above 2 * [`reach`] are 0.
 ///
 /// # Errors
 /// As [`features`].

@@ -20,7 +20,7 @@ use super::settings::{Kind, Settings};
 use crate::similarity::Table;
 
 const MAGIC: [u8; 3] = *b"SMR";
-const VERSION: u16 = 5;
+const VERSION: u16 = 6;
 const HEAD: usize = 14;
 
 /// The size in bytes of a saved target without its state: head, `numbers` values of the configuration, and checksum.

@@ -5,7 +5,7 @@
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use smr_core::robust::{CHANNELS, REACH};
+use smr_core::robust::CHANNELS;
 use smr_core::{Answer, Frame, Image, Rect, Robust, State, Target, Tracker, unstable};
 use smr_recordings::GrayFrame;
 use smr_reference::robust::{Decision, Numbers, Reference, Step};
@@ -52,17 +52,18 @@ impl Checked for Robust {
         let (target, workspace) = sides.core.parts();
         let cells: Vec<f64> = unstable::features(target, workspace, &part)?.iter().map(|&byte| byte.into()).collect();
         let responses = unstable::response_map(target, workspace, &part)?;
-        let span = 2 * usize::from(target.config().reach) + 1;
+        let reach = unstable::reach(target).context("the tracker is locked")?;
+        let span = 2 * usize::from(reach) + 1;
         let responses = responses.iter().take(span).flat_map(|row| row.iter().take(span));
         let responses: Vec<f64> = responses.map(|&of| of.into()).collect();
-        let columns = window_columns(target);
+        let columns = window_columns(target, reach);
         let answer = sides.update(&part)?;
         let response = unstable::response(sides.core.workspace());
         let step = sides.reference.update(&frame.pixels);
         sides.counts.add(&step);
         Ok(before
             .or_else(|| numbers_differ("features: byte", &cells, &step.cells.bytes, columns))
-            .or_else(|| numbers_differ("response", &responses, &step.responses, 2 * usize::from(REACH) + 1))
+            .or_else(|| numbers_differ("response", &responses, &step.responses, span))
             .or_else(|| decisions(&answer, response, &step))
             .or_else(|| learned(sides.core.target(), &sides.reference)))
     }
@@ -92,8 +93,8 @@ fn before(core: &Robust, reference: &Reference) -> Option<Violation> {
         .or_else(|| differs("pixels asked for to sweep", elsewhere, reference.sweep_region()))
 }
 
-fn window_columns(core: &Robust) -> usize {
-    core.grid().map_or(1, |grid| usize::from(grid.across + 2 * REACH) * CHANNELS)
+fn window_columns(core: &Robust, reach: u16) -> usize {
+    core.grid().map_or(1, |grid| usize::from(grid.across + 2 * reach) * CHANNELS)
 }
 
 /// Compares two tables value by value; `columns` values are a row. Names the row and column of the first difference.
@@ -219,6 +220,7 @@ mod tests {
                 of.scale_step = 1.03, of.early_rate = 1.0 / 64.0, of.similarity_scale = 250.0, of.alpha_bounds.0 = 99.0, of.alpha_bounds.1 = 9.0,
                 of.most_change = 1.0, of.gain_bounds.1 = 0.25, of.tiles_across = 3, of.counted_tile_rank = 5, of.refined_from = 65_535.0,
                 of.most_move = 0.125, of.most_growth = 64.0, of.damping = 32.0, of.confidence_rate = 76.0, of.size = false,
+                of.calm_reach = 5, of.calm_after = 4, of.calm_off = 0.25,
             },
         );
         // Switches the refiner off, because its larger window would hide a change of the scale search's window.
@@ -226,8 +228,8 @@ mod tests {
             numbers.refiner = false;
             checked(CHECKED[0], Config::robust(), numbers, 40)
         };
-        noticed(unrefined, changes! { of; of.scale_reach = 0 });
-        noticed(jumping, changes! { of; of.scale_gain = 128.0 });
+        noticed(unrefined, changes! { of; of.scale_reach = 1 });
+        noticed(jumping, changes! { of; of.scale_gain = 128.0, of.calm_decay = 0.5 });
         noticed(border, changes! { of; of.coarse_step = 1, of.most_sum = 2048.0 });
         noticed(dimmed, changes! { of; of.gain_bounds.0 = 0.5, of.light_rate = 0.5, of.least_window = 16.0 });
         let on = |target| move |numbers| moved_once(numbers, target);

@@ -30,4 +30,4 @@ pub(super) const MARGIN: u16 = 3;
 pub(super) const ONE_GAIN: u32 = 256;
 
 /// The radius of the search window at each scale of the scale search, in cells.
-pub(super) const SCALE_REACH: u16 = 1;
+pub(super) const SCALE_REACH: u16 = 0;

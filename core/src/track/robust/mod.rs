@@ -10,7 +10,7 @@
 //!     |
 //!  motion        where the target is expected
 //!     |
-//!  sampling      the search window on the target's grid (grid)
+//!  sampling      the search window on the target's grid (grid), smaller around a calm target (calm)
 //!  cells         gradient orientations and gray, cell by cell                                        1.40
 //!     |
 //!  response      the filter at all offsets, its peak                                                 0.55
@@ -19,7 +19,7 @@
 //!     |          (lighting)                                                                          0.62
 //!  refinement    place and size to a fraction of a pixel                                             0.06
 //!     |
-//!  scale         the response at other scales, if refinement has not found the size                  1.18
+//!  scale         the response at other scales, if refinement has not found the size                  0.82
 //!     |
 //!  learning      if there is enough evidence: ridge regression on a Gaussian label (gaussian)        0.97
 //!     |
@@ -29,10 +29,10 @@
 //!     |      \
 //!     |       redetection   if the target is lost: up to four windows, searched and verified        10.28
 //!     |
-//!   answer        its state is the worst of confidence, opinion and identity                   14.15 in all
+//!   answer        its state is the worst of confidence, opinion and identity                   13.79 in all
 //! ```
 //!
-//! The figures are the most work of each stage in millions of units, without the refiner (`run/most_work.rs`; a unit is
+//! The figures are the most work of each stage in millions of units, in the largest window and without the refiner (`run/most_work.rs`; a unit is
 //! about one instruction of a Cortex-M4). The sum is that of a frame with redetection instead of learning, and includes
 //! the coding of the weights.
 //!

@@ -86,6 +86,11 @@ impl Robust {
     }
 
     #[cfg(feature = "unstable")]
+    pub(crate) fn reach(&self) -> Option<u16> {
+        self.memory.track.map(|track| track.reach(Self::configured(&self.config)))
+    }
+
+    #[cfg(feature = "unstable")]
     pub(crate) fn features<'a>(
         &self,
         workspace: &'a mut Workspace,

@@ -53,11 +53,12 @@ impl Filter {
 
     /// Learns the first frame in `first_steps` full steps of conjugate gradients. All weights must be 0.
     pub fn lock(&mut self, numbers: &Numbers, shape: &Shape, cells: &Cells) {
-        let mut responses = vec![0.0; offsets(numbers).count()];
+        let reach = numbers.reach;
+        let mut responses = vec![0.0; offsets(reach).count()];
         let mut before = None;
         for _ in 0..numbers.first_steps {
-            let sample = Sample { cells, responses: &responses, target: (0.0, 0.0) };
-            let step = self.learn(numbers, shape, &sample, (1.0, numbers.reach), before.as_ref());
+            let sample = Sample { cells, responses: &responses, reach, target: (0.0, 0.0) };
+            let step = self.learn(numbers, shape, &sample, (1.0, reach), before.as_ref());
             let changes = ScaledIntegers::new(&step.responses, 32_767.0);
             let units = step.length * step.direction.divisor * changes.divisor / 2.0_f64.powi(60);
             for (response, change) in responses.iter_mut().zip(&changes.numbers) {
@@ -79,7 +80,7 @@ impl Filter {
         before: Option<&Step>,
     ) -> Step {
         let errors = ScaledIntegers::new(&errors(numbers, shape, sample), numbers.most_scaled_error);
-        let correlated = correlated(numbers, shape, sample.cells, &errors.numbers);
+        let correlated = correlated(shape, sample, &errors.numbers);
         // The unit of weights is 1/65536 of the unit of errors.
         let gradient = |(weight, sum): (&f64, &f64)| numbers.regularisation * weight + sum * errors.divisor * 65536.0;
         let gradients: Vec<f64> = self.weights.iter().zip(&correlated).map(gradient).collect();
@@ -97,9 +98,10 @@ impl Filter {
                 *number += (part * before / 65_536.0).floor();
             }
         }
-        let responses: Vec<f64> = offsets(numbers).map(|(x, y)| direction.sum(shape, sample.cells, x, y)).collect();
-        let near = |(x, y): (i64, i64)| (x - numbers.reach).abs().max((y - numbers.reach).abs()) <= reach;
-        let measured = offsets(numbers).zip(&responses).filter(|&(offset, _)| near(offset));
+        let responses: Vec<f64> =
+            offsets(sample.reach).map(|(x, y)| direction.sum(shape, sample.cells, x, y)).collect();
+        let near = |(x, y): (i64, i64)| (x - sample.reach).abs().max((y - sample.reach).abs()) <= reach;
+        let measured = offsets(sample.reach).zip(&responses).filter(|&(offset, _)| near(offset));
         let measured: Vec<f64> = measured.map(|(_, response)| *response).collect();
         let all = responses.len() as f64;
         let length = (best_length(numbers, &direction, descent, &measured, all) * part).floor();
@@ -134,32 +136,34 @@ fn best_length(numbers: &Numbers, direction: &ScaledIntegers, descent: f64, resp
 pub struct Sample<'a> {
     pub cells: &'a Cells,
     pub responses: &'a [f64],
+    /// Radius of the search window, in cells.
+    pub reach: i64,
     /// Offset of the target from the window's middle, in cells.
     pub target: (f64, f64),
 }
 
 /// All offsets of a search window, row by row, counted from its top left corner.
-fn offsets(numbers: &Numbers) -> impl Iterator<Item = (i64, i64)> {
-    let span = 2 * numbers.reach + 1;
+fn offsets(reach: i64) -> impl Iterator<Item = (i64, i64)> {
+    let span = 2 * reach + 1;
     (0..span).flat_map(move |y| (0..span).map(move |x| (x, y)))
 }
 
 /// Response minus label at each offset, clamped to +-`most_error`.
 fn errors(numbers: &Numbers, shape: &Shape, sample: &Sample<'_>) -> Vec<f64> {
-    let factor = |offset: i64, target: f64| label_factor(numbers, shape, to_f64(offset - numbers.reach) - target);
+    let factor = |offset: i64, target: f64| label_factor(numbers, shape, to_f64(offset - sample.reach) - target);
     let error = |((x, y), response): ((i64, i64), &f64)| {
         let label = label(factor(x, sample.target.0), factor(y, sample.target.1));
         (response - label).clamp(-numbers.most_error, numbers.most_error)
     };
-    offsets(numbers).zip(sample.responses).map(error).collect()
+    offsets(sample.reach).zip(sample.responses).map(error).collect()
 }
 
 /// For each weight, the sum over all offsets of error times feature.
-fn correlated(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -> Vec<f64> {
+fn correlated(shape: &Shape, sample: &Sample<'_>, errors: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; index(shape.across * shape.down) * CHANNELS];
-    for ((x, y), error) in offsets(numbers).zip(errors) {
+    for ((x, y), error) in offsets(sample.reach).zip(errors) {
         for (sums, row) in sums.chunks_mut(index(shape.across) * CHANNELS).zip(y..) {
-            let bytes = cells.row(x, row, shape.across);
+            let bytes = sample.cells.row(x, row, shape.across);
             sums.iter_mut().zip(bytes).for_each(|(sum, byte)| *sum += error * byte);
         }
     }

@@ -92,6 +92,9 @@ pub struct Reference {
     early: Patch,
     /// Lighting: gain of the early template's contrast, divided by the search window's contrast in gray levels.
     light: f64,
+    /// Frames since the lock or the last find, and the recent offset from the expected position, in cells.
+    age: i64,
+    off: f64,
     mean_evidence: f64,
     /// Scale in the last frame whose state was *tracking*.
     tracked_scale: f64,
@@ -129,6 +132,8 @@ impl Reference {
             filter,
             early: without_margin(&numbers, &place.view(&numbers, &shape).sample(&numbers, &frame)),
             light: lighting::gain_per_contrast(1.0, lighting::window_contrast(&numbers, &window)),
+            age: 0,
+            off: 0.0,
             mean_evidence: FULL,
             tracked_scale: 1.0,
             next_window: 0,
@@ -151,12 +156,13 @@ impl Reference {
     /// Bounds (left, top, right, bottom) of the frame pixels that the next update may read to track the target,
     /// including searches at other scales around any position in the search window.
     pub fn region(&self) -> [i64; 4] {
-        let Numbers { size, reach, scale_reach, cell, margin, .. } = self.numbers;
+        let Numbers { size, scale_reach, cell, margin, .. } = self.numbers;
+        let reach = self.reach();
         let around = |place: Place, reach| self.region_around(place, reach);
         let centre = self.expected();
         let mut all = vec![around(centre, reach + self.margin_cells())];
         if size {
-            let larger = |scale| around(Place { scale, ..centre }, reach + 2 * scale_reach);
+            let larger = |scale| around(Place { scale, ..centre }, reach + scale_reach + self.margin_cells());
             all.extend(self.other_scales(centre.scale).map(larger));
         }
         // The target's move is at most the search radius plus 1 cell, plus the alignment margin, plus 2 template pixels, and
@@ -201,7 +207,8 @@ impl Reference {
     pub fn update(&mut self, frame: &[u8]) -> Step {
         let frame = Picture { pixels: frame, width: self.frame_size.0, height: self.frame_size.1 };
         let (weights, centre) = (self.filter.scaled(&self.numbers), self.expected());
-        let mut candidate = self.candidate(&frame, &weights, centre);
+        let reach = self.reach();
+        let mut candidate = self.candidate(&frame, &weights, centre, reach);
         let growth = self.refine(&mut candidate);
         let was_lost = self.decision() == Decision::Lost;
         // Centre of the label: offset of the target from the window's middle in cells, rounded toward 0 to 1/256 cell.
@@ -229,6 +236,7 @@ impl Reference {
                 *mean += nearest((new - *mean) * self.numbers.early_rate, FINE);
             }
         }
+        self.settle(if candidate.can_show { target } else { (0.0, 0.0) });
         if !candidate.can_show {
             candidate.place = self.place;
         }
@@ -241,14 +249,15 @@ impl Reference {
         let found = swept.then(|| self.redetect(&frame, &weights, there)).flatten();
         let is_found = found.is_some();
         if let Some(elsewhere) = found {
+            (self.age, self.off) = (0, 0.0);
             (self.velocity, self.mean_evidence) = ((0.0, 0.0), found_mean(&self.numbers, elsewhere.evidence()));
             self.refiner.iter_mut().for_each(|refiner| refiner.begin_again(&self.numbers));
             candidate = elsewhere;
         }
         self.place = candidate.place;
         if learned {
-            let sample = Sample { cells: &cells, responses: &responses, target };
-            let length = (self.numbers.update_step, 5 * self.numbers.reach / 8);
+            let sample = Sample { cells: &cells, responses: &responses, reach, target };
+            let length = (self.numbers.update_step, 5 * reach / 8);
             self.filter.learn(&self.numbers, &self.shape, &sample, length, None);
         }
         if decision(&self.numbers, self.mean_evidence) == Decision::Tracking {
@@ -314,6 +323,22 @@ impl Reference {
         decision(&self.numbers, self.mean_evidence).max(opinion)
     }
 
+    /// The radius of the next search window, in cells: smaller while the target is tracked and calm.
+    fn reach(&self) -> i64 {
+        let Numbers { reach, calm_reach, calm_after, calm_off, .. } = self.numbers;
+        let is_calm = self.age >= calm_after && self.off <= calm_off;
+        let is_tracked = decision(&self.numbers, self.mean_evidence) == Decision::Tracking && !self.given_up();
+        if is_calm && is_tracked { reach.min(calm_reach) } else { reach }
+    }
+
+    /// Counts a frame in which the target was `right` and `below` cells from its expected position.
+    fn settle(&mut self, (right, below): (f64, f64)) {
+        let largest = to_f64(i64::from(u16::MAX)) / FINE;
+        self.off =
+            right.abs().max(below.abs()).min(largest).max(down(self.off * (1.0 - self.numbers.calm_decay), FINE));
+        self.age += 1;
+    }
+
     fn expected(&self) -> Place {
         let part = self.numbers.velocity_fraction;
         self.place.moved(part * self.velocity.0, part * self.velocity.1).inside(self.frame_size)
@@ -323,12 +348,12 @@ impl Reference {
         sweep(&self.numbers, &self.shape, self.frame_size, self.tracked_scale, self.next_window)
     }
 
-    fn candidate(&self, frame: &Picture<'_>, weights: &ScaledIntegers, centre: Place) -> Candidate {
-        let Numbers { reach, cell, .. } = self.numbers;
+    fn candidate(&self, frame: &Picture<'_>, weights: &ScaledIntegers, centre: Place, reach: i64) -> Candidate {
+        let Numbers { cell, .. } = self.numbers;
         let cells =
             features(&self.numbers, &centre.window(&self.numbers, &self.shape, reach).sample(&self.numbers, frame));
         let responses = responses(&self.shape, weights, &cells, reach);
-        let Peak { x, y, response, .. } = peak(&penalised(&self.numbers, &responses), reach);
+        let Peak { x, y, response, .. } = peak(&penalised(&self.numbers, &responses, reach), reach);
         let cell = to_f64(cell) * self.shape.step_at(centre.scale);
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
         let view = place.view(&self.numbers, &self.shape).sample(&self.numbers, frame);
@@ -393,7 +418,7 @@ impl Reference {
         };
         for place in self.sweep() {
             self.next_window += 1;
-            let candidate = self.candidate(frame, weights, place);
+            let candidate = self.candidate(frame, weights, place, self.numbers.reach);
             let suffices = candidate.evidence() >= from && candidate.evidence() >= followed + lead;
             if suffices && self.recognises(frame, candidate.place) {
                 return Some(candidate);

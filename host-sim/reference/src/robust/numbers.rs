@@ -47,6 +47,11 @@ pub struct Numbers {
     pub scale_step: f64,
     pub scale_gain: f64,
     pub scale_reach: i64,
+    /// Calm targets: search radius in cells; frames since a lock or a find; largest recent offset in cells, and its decay.
+    pub calm_reach: i64,
+    pub calm_after: i64,
+    pub calm_off: f64,
+    pub calm_decay: f64,
     /// Largest scale; the smallest is its reciprocal.
     pub most_scale: f64,
     /// Weight of a new patch in the early template, a running mean.
@@ -151,7 +156,11 @@ impl Numbers {
             velocity_rate: 0.5,
             scale_step: 66_847.0 / 65_536.0,
             scale_gain: 252.0,
-            scale_reach: 1,
+            scale_reach: 0,
+            calm_reach: 6,
+            calm_after: 3,
+            calm_off: 2.0,
+            calm_decay: 1.0 / 8.0,
             most_scale: 5.0,
             early_rate: 1.0 / 1024.0,
             similarity_scale: 255.0,

@@ -14,8 +14,8 @@ pub fn responses(shape: &Shape, weights: &ScaledIntegers, cells: &Cells, reach: 
 
 /// Reduces positive responses by a fraction that grows with the squared distance from the middle, up to
 /// `distance_penalty` / 256 at `reach` cells and beyond. Fraction (in 256ths) and result are rounded down.
-pub fn penalised(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
-    let (reach, span) = (numbers.reach, 2 * numbers.reach + 1);
+pub fn penalised(numbers: &Numbers, responses: &[f64], reach: i64) -> Vec<f64> {
+    let span = 2 * reach + 1;
     let away = |at: i64| (at % span - reach).pow(2) + (at / span - reach).pow(2);
     let less = |(at, &response): (i64, &f64)| {
         let edge = to_f64(reach * reach);

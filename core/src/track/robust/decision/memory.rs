@@ -6,6 +6,7 @@ use super::super::features::{Grid, Motion, Place};
 use super::super::filter::{Filter, scale};
 use super::super::refiner::{self, First, Review};
 use super::super::verification::{Light, Template};
+use super::calm::Calm;
 use super::confidence::Confidence;
 use super::giving_up::Doubt;
 use super::redetection::Sweep;
@@ -16,7 +17,7 @@ use crate::track::settings::Numbers;
 use crate::track::{Quality, RestoreError, SaveError};
 
 /// Bytes of a saved track.
-const TRACK: usize = 62;
+const TRACK: usize = 62 + Calm::SAVED;
 pub(crate) const SAVED_SIZE: usize =
     around(Config::COUNT) + TRACK + 4 * MAX_CELLS * CHANNELS + 2 * MAX_PIXELS + REFINED;
 /// Bytes of the refiner's memory and of its doubt.
@@ -60,6 +61,7 @@ impl Memory {
         to.u32(track.sweep.next);
         to.u16(track.quality.value());
         to.u32(track.light.number());
+        track.calm.save(&mut to);
         self.filter.weights().iter().for_each(|&weight| to.i32(weight));
         self.template.mean().iter().for_each(|&pixel| to.u16(pixel));
         if config.refines() {
@@ -102,6 +104,7 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
     let sweep = Sweep { next: from.u32()? };
     let quality = Quality::of_value(from.u16()?);
     let light = Light::restore(from.u32()?)?;
+    let calm = Calm::read(from)?;
     let place = Place { x, y, scale };
     let farthest = i64::from(u16::MAX) << PIXEL_BITS;
     let possible = bounds.contains(target)
@@ -120,6 +123,7 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
         review: Review::NONE,
         doubt: Doubt::NONE,
         light,
+        calm,
     })
 }
 

@@ -5,6 +5,7 @@ use super::super::constants::{PIXEL, SCALE};
 use super::super::features::{Grid, Motion, Place};
 use super::super::refiner::Review;
 use super::super::verification::Light;
+use super::calm::Calm;
 use super::confidence::Confidence;
 use super::giving_up::Doubt;
 use super::redetection::Sweep;
@@ -26,6 +27,7 @@ pub(crate) struct Track {
     pub(crate) review: Review,
     pub(crate) doubt: Doubt,
     pub(crate) light: Light,
+    pub(crate) calm: Calm,
 }
 
 impl Track {
@@ -42,6 +44,7 @@ impl Track {
             review: Review::NONE,
             doubt: Doubt::NONE,
             light: Light::NONE,
+            calm: Calm::NEW,
         }
     }
 
@@ -50,6 +53,12 @@ impl Track {
     pub(crate) fn state(&self, config: &Config) -> State {
         let (state, opinion) = (self.confidence.state(config), self.review.state());
         if config.refines() && opinion.code() > state.code() { opinion } else { state }
+    }
+
+    /// The radius of the search window in the next frame, in cells: smaller while the target is calm.
+    pub(crate) fn reach(&self, config: &Config) -> u16 {
+        let is_tracked = self.confidence.state(config) == State::Tracking && !self.is_given_up(config);
+        if is_tracked { self.calm.reach(config.reach()) } else { config.reach() }
     }
 
     /// True if the target is given up. False without redetection, because nothing else could find

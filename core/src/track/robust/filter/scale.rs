@@ -5,9 +5,9 @@
 //! scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
 //! ```
 //!
-//! `peak(s)` is the height of the peak without distance penalty. All three scales are sampled around the same place, so
-//! that none has an advantage by its place, at offsets of up to one cell. Frames in which refinement finds the growth
-//! need no scale search. Cost: three small windows of features, and 27 products for each weight.
+//! `peak(s)` is the response there, without distance penalty. All three scales are sampled around the same place, so
+//! that none has an advantage by its place. Frames in which refinement finds the growth need no scale search. Cost: three
+//! small windows of features, and 3 products for each weight.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{CHANNELS, MAX_CELLS, MAX_SIDE, SCALE, SCALE_REACH, WEIGHTS};
@@ -29,9 +29,11 @@ const SCALE_PENALTY: i64 = 252;
 const MIN_SCALE: u32 = SCALE / 5;
 const MAX_SCALE: u32 = 5 * SCALE;
 
-/// Size of the largest window of features, in bytes: that of the longest filter, whose margin has the most cells.
-const CELLS: usize =
-    (MAX_SIDE + 2 * SCALE_REACH) as usize * (MAX_CELLS / MAX_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
+/// Size of the largest window of features, in bytes: the cells of the largest filter, and a margin, which has the most
+/// cells around the longest filter.
+const CELLS: usize = (MAX_CELLS
+    + 2 * SCALE_REACH as usize * (MAX_SIDE as usize + MAX_CELLS / MAX_SIDE as usize + 2 * SCALE_REACH as usize))
+    * CHANNELS;
 const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;
 
 pub(crate) const fn most_work(extent: Extent) -> u32 {

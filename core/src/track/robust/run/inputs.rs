@@ -20,8 +20,8 @@ pub(crate) struct Inputs<'a> {
 
 impl Inputs<'_> {
     #[inline(never)]
-    pub(super) fn begin_features(&self, centre: &Place, buffers: &mut Buffers) {
-        let lattice = Lattice::search_window(centre, &self.track.grid, self.config.reach());
+    pub(super) fn begin_features(&self, centre: &Place, reach: u16, buffers: &mut Buffers) {
+        let lattice = Lattice::search_window(centre, &self.track.grid, reach);
         buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.large);
     }
 
@@ -39,9 +39,9 @@ impl Inputs<'_> {
 
     /// Computes the next piece of the responses. True after the last piece.
     #[inline(never)]
-    pub(crate) fn respond(&self, piece: &mut usize, buffers: &mut Buffers, budget: &mut Budget) -> bool {
+    pub(crate) fn respond(&self, piece: &mut usize, reach: u16, buffers: &mut Buffers, budget: &mut Budget) -> bool {
         let Buffers { extractor, large, coded, responses, sums, .. } = buffers;
-        let (window, spare) = (self.window(large), &mut sums.per_weight);
+        let (window, spare) = (self.window(large, reach), &mut sums.per_weight);
         let done = responses.compute(coded, self.products(), extractor.lend_sums(), spare, window, *piece, budget);
         *piece += 1;
         done
@@ -49,12 +49,18 @@ impl Inputs<'_> {
 
     /// Computes the next piece of a step of learning. Returns the step length after the last piece.
     #[inline(never)]
-    pub(crate) fn learn(&self, learning: &mut Learning, buffers: &mut Buffers, budget: &mut Budget) -> Option<i64> {
+    pub(crate) fn learn(
+        &self,
+        learning: &mut Learning,
+        reach: u16,
+        buffers: &mut Buffers,
+        budget: &mut Budget,
+    ) -> Option<i64> {
         let Buffers { large, responses, extractor, coded, sums, .. } = buffers;
         let training = Training {
             filter: &self.memory.filter,
             grid: &self.track.grid,
-            window: self.window(large),
+            window: self.window(large, reach),
             responses,
             products: self.products(),
         };
@@ -65,8 +71,9 @@ impl Inputs<'_> {
         Early { config: self.config, template: &self.memory.template, grid: &self.track.grid }
     }
 
-    fn window<'a>(&self, cells: &'a [i8]) -> FeatureWindow<'a> {
-        FeatureWindow { cells, layout: layout(&self.track.grid, self.config.span()) }
+    /// The features of a search window of radius `reach`.
+    fn window<'a>(&self, cells: &'a [i8], reach: u16) -> FeatureWindow<'a> {
+        FeatureWindow { cells, layout: layout(&self.track.grid, 2 * usize::from(reach) + 1) }
     }
 
     #[inline(never)]

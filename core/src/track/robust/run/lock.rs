@@ -98,7 +98,7 @@ impl LockPipeline {
             Stage::Template => {
                 let Buffers { extractor, comparison, .. } = buffers;
                 if comparison.next_row(frame, extractor.sampling(), budget) {
-                    inputs.begin_features(&self.track.motion.place, buffers);
+                    inputs.begin_features(&self.track.motion.place, config.reach(), buffers);
                     self.stage = Stage::Features;
                 }
             }
@@ -111,7 +111,7 @@ impl LockPipeline {
                 }
             }
             Stage::Learning(learning) => {
-                if let Some(length) = inputs.learn(learning, buffers, budget) {
+                if let Some(length) = inputs.learn(learning, config.reach(), buffers, budget) {
                     self.learned(length, memory, buffers, budget);
                 }
             }

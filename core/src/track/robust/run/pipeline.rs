@@ -16,7 +16,7 @@ use super::super::config::Config;
 use super::super::constants::CELL;
 #[cfg(feature = "unstable")]
 use super::super::constants::SPAN;
-use super::super::decision::{Confidence, Doubt, Evidence, Memory, Track};
+use super::super::decision::{Calm, Confidence, Doubt, Evidence, Memory, Track};
 #[cfg(feature = "unstable")]
 use super::super::features::Lattice;
 use super::super::features::{Grid, Motion, Place};
@@ -51,6 +51,8 @@ pub(crate) struct Pipeline {
     stage: Stage,
     /// The middle of the present search window.
     centre: Place,
+    /// The radius of that window, in cells: smaller around a calm target.
+    reach: u16,
     /// Windows of the sweep that remain in this frame; `None` before redetection.
     redetects: Option<u8>,
     /// The track at the end of this frame.
@@ -71,10 +73,12 @@ impl Pipeline {
         buffers.comparison.begin(&inputs.early());
         budget.spend(CODED * grid.work_on_weights() + COPIED * grid.pixels());
         let centre = expected(inputs.track);
-        inputs.begin_features(&centre, buffers);
+        let reach = inputs.track.reach(inputs.config);
+        inputs.begin_features(&centre, reach, buffers);
         Self {
             stage: Stage::Features,
             centre,
+            reach,
             redetects: None,
             track: *inputs.track,
             candidate: Candidate::NONE,
@@ -118,7 +122,7 @@ impl Pipeline {
                 }
             }
             Stage::Response(piece) => {
-                if inputs.respond(piece, buffers, budget) {
+                if inputs.respond(piece, self.reach, buffers, budget) {
                     self.verify(inputs, buffers);
                 }
             }
@@ -143,7 +147,7 @@ impl Pipeline {
             }
             Stage::Sweep => self.search_window(inputs, buffers),
             Stage::Learning(learning) => {
-                let length = inputs.learn(learning, buffers, budget);
+                let length = inputs.learn(learning, self.reach, buffers, budget);
                 if length.is_some() {
                     self.learned = length;
                     self.examine(inputs, buffers, budget);
@@ -245,6 +249,8 @@ impl Pipeline {
         if track.is_given_up(config) {
             (track.confidence, self.there) = (Confidence::NONE, Evidence::NONE);
         }
+        let moved = candidate.visible.then(|| offset(&track.grid, self.centre, candidate.place));
+        track.calm.settle(moved.unwrap_or_default());
         track.motion.follow(candidate.visible.then_some(candidate.place));
         let is_lost = track.confidence.state(config) == State::Lost;
         let refused = config.refines() && (is_lost || !evidence.may_be_learned());
@@ -272,8 +278,8 @@ impl Pipeline {
             let (centre, is_last) = next_sweep_window(inputs.track, inputs.config, self.track.sweep);
             self.track.sweep.move_on();
             self.redetects = Some(if is_last { 0 } else { left - 1 });
-            (self.centre, self.stage) = (centre, Stage::Features);
-            inputs.begin_features(&centre, buffers);
+            (self.centre, self.reach, self.stage) = (centre, inputs.config.reach(), Stage::Features);
+            inputs.begin_features(&centre, self.reach, buffers);
         }
     }
 
@@ -310,6 +316,7 @@ impl Pipeline {
     fn find(&mut self, config: &Config, candidate: &Candidate) {
         let track = &mut self.track;
         track.motion = Motion::at(candidate.place);
+        track.calm = Calm::NEW;
         track.confidence = Confidence::found(Evidence::of(candidate), config);
         track.review.begin_again();
         track.doubt = Doubt::NONE;
@@ -362,7 +369,7 @@ fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
 #[cfg(feature = "unstable")]
 pub(crate) fn features(inputs: &Inputs<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
     let place = expected(inputs.track);
-    let lattice = Lattice::search_window(&place, &inputs.track.grid, inputs.config.reach());
+    let lattice = Lattice::search_window(&place, &inputs.track.grid, inputs.track.reach(inputs.config));
     buffers.extractor.features(frame, &lattice, &mut buffers.large)
 }
 
@@ -372,6 +379,6 @@ pub(crate) fn responses(inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut
     inputs.memory.filter.code(&mut buffers.coded);
     buffers.responses.rows = [[0; SPAN]; SPAN];
     let mut piece = 0;
-    while !inputs.respond(&mut piece, buffers, budget) {}
+    while !inputs.respond(&mut piece, inputs.track.reach(inputs.config), buffers, budget) {}
     buffers.responses.rows
 }

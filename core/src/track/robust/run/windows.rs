@@ -29,11 +29,11 @@ pub(super) fn next_sweep_window(track: &Track, config: &Config, sweep: Sweep) ->
 /// place in it, the windows at other scales, and the refiner's crop.
 #[inline(never)]
 pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
-    let (centre, reach) = (expected(track), config.reach());
+    let (centre, reach) = (expected(track), track.reach(config));
     let mut pixels = pixels(track, &centre, reach + MARGIN_CELLS);
     if config.size {
         for scale in other_scales(centre.scale) {
-            pixels = union(pixels, self::pixels(track, &Place { scale, ..centre }, reach + 2 * SCALE_REACH));
+            pixels = union(pixels, self::pixels(track, &Place { scale, ..centre }, reach + SCALE_REACH + MARGIN_CELLS));
         }
     }
     if config.refines() {
