@@ -53,6 +53,18 @@ impl Sequence {
         Self { name, frames, length: None, first: 1, init: None, truth: None, source, notes: Vec::new() }
     }
 
+    /// Drops all frames but the first and each `step`-th after it, with their ground truth. A step of 0 is one of 1.
+    #[must_use]
+    pub fn every(self, step: u16) -> Self {
+        let step = usize::from(step.max(1));
+        let is_kept = move |place: usize| place.is_multiple_of(step);
+        // An error ends a recording, so it is kept.
+        let frames = self.frames.enumerate().filter(move |(place, frame)| is_kept(*place) || frame.is_err());
+        let truth = self.truth.map(|truth| truth.into_iter().step_by(step).collect());
+        let length = self.length.map(|length| length.div_ceil(step));
+        Self { frames: Box::new(frames.map(|(_, frame)| frame)), truth, length, ..self }
+    }
+
     /// Returns the start box in whole pixels. Errors: There is no box, it has no pixels, or a `Rect` cannot hold it.
     pub fn start(&self) -> Result<smr_core::Rect> {
         let (name, first) = (&self.name, self.first);
@@ -61,5 +73,31 @@ impl Sequence {
             _ => format!("{name}: no initial box for frame {first}: give --init X,Y,W,H (init.txt has that of frame 1)"),
         })?;
         init.pixels().map_err(|what| anyhow!("{name}: the initial box {what}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slower_camera_has_every_third_frame() {
+        let frames = (0..8).map(|level| GrayFrame::drawn(2, 1, |_, _| level));
+        let truth = (0..8).map(|place| Some([place, 0, 1, 1].into())).collect();
+        let slow = Sequence::made("a", frames, truth).every(3);
+        assert_eq!((slow.length, slow.truth.map(|truth| truth.len())), (Some(3), Some(3)));
+        let levels: Vec<u8> = slow.frames.map(|frame| frame.unwrap().gray.pixels[0]).collect();
+        assert_eq!(levels, [0, 3, 6]);
+    }
+
+    #[test]
+    fn an_error_between_the_frames_is_kept() {
+        let frames = (1..4).map(|number| match number {
+            2 => Err(anyhow!("cut off")),
+            _ => Ok(Frame::new(number, None, GrayFrame::drawn(2, 1, |_, _| 0))),
+        });
+        let kept: Vec<bool> =
+            Sequence::streamed("a".into(), frames, Source::Once).every(2).frames.map(|frame| frame.is_ok()).collect();
+        assert_eq!(kept, [true, false]);
     }
 }

@@ -4,7 +4,7 @@
 use super::progress::Expected;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::{HostSim, Outcome, progress, tell, told};
+use super::{HostSim, Outcome, progress, tell, told, whole};
 use anyhow::{Context, Error, Result, bail, ensure};
 use clap::CommandFactory;
 use smr_evaluation::robustness::{self, Former, Starts};
@@ -14,6 +14,7 @@ use smr_files::signals;
 use smr_recordings::fault::{Fault, Faults};
 use smr_recordings::{SLOW, Sequence};
 use std::io::Write;
+use std::num::NonZeroU16;
 use std::path::{Path, PathBuf};
 
 const NAME: &str = "eval";
@@ -64,6 +65,9 @@ pub struct Eval {
     /// With every:N a run starts from the true box, cut at the frame's edge, and ends with the recording. No run starts in the last frame.
     #[arg(long, value_name = "1|5|every:N", requires = "robustness")]
     starts: Option<Starts>,
+    /// With --robustness: give the trackers only the first frame and each N-th after it, as a camera with a lower frame rate does
+    #[arg(long, value_name = "N", value_parser = whole::<NonZeroU16>(1..=65535), requires = "robustness")]
+    every: Option<NonZeroU16>,
     /// With --robustness: print paired differences from earlier results. FILE is the --json output of the same command
     ///
     /// Each tracker is compared with the tracker of the same name in FILE, or else with the first one there. Without this option, host-sim
@@ -192,6 +196,7 @@ impl Eval {
             Protocol::Cover => covers::measure(&found, open, &variants, &progress),
             Protocol::Faults(faults) => faults::measure(&found, open, &variants, &faults, &progress),
             Protocol::Robustness(starts) => {
+                let open = |path: &Path| Ok(open(path)?.every(self.every.map_or(1, NonZeroU16::get)));
                 robustness::measure(&found, open, &variants, starts, former.as_ref(), &progress)
             }
             Protocol::Whole => {
