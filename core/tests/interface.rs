@@ -253,3 +253,51 @@ fn the_readme_states_the_memory() {
     let robust = if cfg!(feature = "refiner") { "| `Robust` with the feature `refiner` |" } else { "| `Robust` |" };
     assert_eq!((size_of::<Robust>(), size_of::<robust::Workspace>()), row(robust));
 }
+
+/// The largest first window, the largest while the target is calm, and the largest second window of a robust target in a
+/// box of `width` x `height` pixels, in bytes for each pixel of the box.
+fn windows(config: robust::Config, (width, height): (u16, u16)) -> [f64; 3] {
+    let (across, down) = (12 * width, 12 * height);
+    let area = |window: Option<Rect>| window.map_or(0.0, |window| f64::from(window.area()));
+    let mut tracker = Box::new(Tracker::<Robust>::with(config).expect("a configuration that can be used"));
+    let pixels: Vec<u8> = (0..i32::from(across) * i32::from(down)).map(|at| noise(at, 0, 1)).collect();
+    let black = vec![0; pixels.len()];
+    let [seen, black] =
+        [&pixels, &black].map(|pixels| Frame::whole(Image::new(pixels, across, down).expect("a picture")));
+    let target = Rect::new(i32::from(across - width) / 2, i32::from(down - height) / 2, width, height);
+    tracker.lock(&seen, target).expect("a box in the picture");
+    let first = area(tracker.window());
+    (0..4).for_each(|_| drop(tracker.update(&seen).expect("a frame of the same size")));
+    let calm = area(tracker.window());
+    let lost = |_| {
+        tracker.update(&black).expect("a frame of the same size");
+        area(tracker.sweep_window())
+    };
+    let second = (0..60).map(lost).fold(0.0, f64::max);
+    [first, calm, second].map(|pixels| pixels / f64::from(width) / f64::from(height))
+}
+
+#[test]
+fn the_readme_states_the_memory_of_the_windows() {
+    let mut kinds = vec![("robust", robust::Config::robust())];
+    #[cfg(feature = "refiner")]
+    kinds.push(("refined", robust::Config::refined()));
+    for (name, config) in kinds {
+        let mut once = config;
+        once.sweep = 1;
+        for (what, boxes) in [
+            ("square box", [(20, 20), (29, 29), (40, 40)]),
+            ("four times as long as wide", [(80, 20), (20, 80), (41, 164)]),
+        ] {
+            let largest = |config| {
+                boxes
+                    .map(|size| windows(config, size))
+                    .into_iter()
+                    .reduce(|a, b| [0, 1, 2].map(|at| f64::max(a[at], b[at])))
+            };
+            let ([first, calm, second], [.., one]) = (largest(config).expect("boxes"), largest(once).expect("boxes"));
+            let row = format!("| `{name}`, {what} | {first:.1} | {calm:.1} | {second:.1} | {one:.1} |");
+            assert!(include_str!("../README.md").contains(&row), "core/README.md: {row}");
+        }
+    }
+}

@@ -100,18 +100,22 @@ fn documents() -> Vec<Document> {
                     ],
                 ),
                 (
-                    "| `Robust` | 11,344 | 39,928 | {} | {} | {} million, at most {} million |",
+                    "| `Robust` | 11,352 | 39,224 | {} | {} | {} million, at most {} million |",
                     robust_row("robust", &robust),
                 ),
                 (
-                    "| `Robust` with the feature `refiner` | 12,400 | 39,960 | {} | {} | {} million, at most {} million |",
+                    "| `Robust` with the feature `refiner` | 12,408 | 39,248 | {} | {} | {} million, at most {} million |",
                     robust_row("refiner", &refined),
                 ),
                 (UPDATE, updates.clone()),
                 ("With the refiner these are {} and {} million", followed_and_lost(Config::refined())),
                 (
-                    "A lock takes at most {} million, and a step at most {} more",
-                    vec![format!("{:.1}", most.lock as f64 / 1e6), format!("{},000", most.beyond_a_step / 1000)],
+                    "A lock takes at most {} million ({} with the refiner), and a step at most {} more",
+                    vec![
+                        hundredths(most.lock as f64),
+                        hundredths(Config::refined().most_work().lock as f64),
+                        format!("{},000", most.beyond_a_step / 1000),
+                    ],
                 ),
             ],
         },
