@@ -78,27 +78,79 @@ impl Format {
     fn convert(self, line: &[u8], x: usize, is_upper: bool, gray: &mut [u8]) {
         let from = |start: usize| line.get(start..).unwrap_or(&[]);
         match self {
-            Self::Gray8 => fill(gray, from(x).iter().copied()),
-            Self::Yuyv => fill(gray, from(2 * x).iter().step_by(2).copied()),
-            Self::Uyvy => fill(gray, from(2 * x + 1).iter().step_by(2).copied()),
+            Self::Gray8 => copy(gray, from(x)),
+            Self::Yuyv => every_second(gray, from(2 * x), |[y, _]| y),
+            Self::Uyvy => every_second(gray, from(2 * x), |[_, y]| y),
             Self::Rgb565Be => fill(gray, from(2 * x).as_chunks().0.iter().map(|&pair| luma(u16::from_be_bytes(pair)))),
             Self::Rgb565Le => fill(gray, from(2 * x).as_chunks().0.iter().map(|&pair| luma(u16::from_le_bytes(pair)))),
-            Self::Bayer8 => {
-                for (gray, &[left, right]) in gray.iter_mut().zip(from(2 * x).as_chunks().0) {
-                    let sum = u16::from(left) + u16::from(right);
-                    let mean = if is_upper { sum / 2 } else { (u16::from(*gray) + sum.div_ceil(2)) / 2 };
-                    *gray = mean.to_le_bytes()[0];
-                }
-            }
-            // Each group of four pixels has four bytes of high bits, then one byte of low bits.
-            Self::Gray10 => fill(gray, (x..).map(|x| line.get(x / 4 * 5 + x % 4).copied().unwrap_or(0))),
+            Self::Bayer8 if is_upper => blocks(gray, from(2 * x), |_, blocks| means(blocks, 0)),
+            Self::Bayer8 => blocks(gray, from(2 * x), lower_means),
+            Self::Gray10 => packed(gray, line, x),
         }
+    }
+}
+
+fn copy(gray: &mut [u8], line: &[u8]) {
+    if let Some(line) = line.get(..gray.len()) {
+        gray.copy_from_slice(line);
     }
 }
 
 #[inline(always)] // one loop for each format
 fn fill(gray: &mut [u8], levels: impl Iterator<Item = u8>) {
     gray.iter_mut().zip(levels).for_each(|(gray, level)| *gray = level);
+}
+
+/// Takes one byte of each two. Handles four pixels at once, because a loop costs more than one pixel does.
+#[inline(always)] // one loop for each format
+fn every_second(gray: &mut [u8], line: &[u8], of: impl Fn([u8; 2]) -> u8) {
+    let ((fours, last), (eights, _)) = (gray.as_chunks_mut(), line.as_chunks());
+    for (gray, &[a, b, c, d, e, f, g, h]) in fours.iter_mut().zip(eights) {
+        *gray = [of([a, b]), of([c, d]), of([e, f]), of([g, h])];
+    }
+    let rest = line.get(8 * fours.len()..).unwrap_or_default();
+    fill(last, rest.as_chunks().0.iter().map(|&pair| of(pair)));
+}
+
+/// Converts a line of 2x2 blocks, four at once: `of` computes four gray levels from the present ones and eight bytes.
+#[inline(always)] // one loop for each line of a block
+fn blocks(gray: &mut [u8], line: &[u8], of: impl Fn([u8; 4], [u8; 8]) -> [u8; 4]) {
+    let ((fours, last), (eights, _)) = (gray.as_chunks_mut(), line.as_chunks());
+    fours.iter_mut().zip(eights).for_each(|(gray, &blocks)| *gray = of(*gray, blocks));
+    let rest = line.get(8 * fours.len()..).unwrap_or_default();
+    for (gray, &[a, b]) in last.iter_mut().zip(rest.as_chunks().0) {
+        [*gray, ..] = of([*gray, 0, 0, 0], [a, b, 0, 0, 0, 0, 0, 0]);
+    }
+}
+
+/// The means of four pairs. `up` is 0 to round down, 0x0001_0001 to round up.
+#[inline(always)] // see `blocks`
+fn means([a, b, c, d, e, f, g, h]: [u8; 8], up: u32) -> [u8; 4] {
+    // Bits 0 to 7 and 16 to 23 have the means of two pairs each.
+    let two = |pairs: u32| ((pairs & 0x00FF_00FF) + (pairs >> 8 & 0x00FF_00FF) + up) >> 1 & 0x00FF_00FF;
+    let (left, right) = (two(u32::from_le_bytes([a, b, c, d])), two(u32::from_le_bytes([e, f, g, h])));
+    ((left | left >> 8) & 0xFFFF | (right | right >> 8) << 16).to_le_bytes()
+}
+
+/// The gray levels of four blocks: means of the upper line's means, rounded down, and the lower line's, rounded up.
+#[inline(always)] // see `blocks`
+fn lower_means(upper: [u8; 4], blocks: [u8; 8]) -> [u8; 4] {
+    let (upper, lower) = (u32::from_le_bytes(upper), u32::from_le_bytes(means(blocks, 0x0001_0001)));
+    // The mean of two bytes, rounded down: the bits that both have, and half of the others.
+    ((upper & lower) + ((upper ^ lower) >> 1 & 0x7F7F_7F7F)).to_le_bytes()
+}
+
+/// Pixels in groups: four bytes of high bits, then one byte of low bits. `x` is the first pixel.
+fn packed(gray: &mut [u8], line: &[u8], x: usize) {
+    let begun = gray.len().min(x.next_multiple_of(4) - x);
+    let (first, gray) = gray.split_at_mut_checked(begun).unwrap_or_default();
+    fill(first, line.get(x / 4 * 5 + x % 4..).unwrap_or_default().iter().copied());
+    let groups = line.get(x.div_ceil(4) * 5..).unwrap_or_default();
+    let (fours, last) = gray.as_chunks_mut();
+    for (gray, &[a, b, c, d, _]) in fours.iter_mut().zip(groups.as_chunks().0) {
+        *gray = [a, b, c, d];
+    }
+    fill(last, groups.get(5 * fours.len()..).unwrap_or_default().iter().copied());
 }
 
 /// The gray level of an RGB565 pixel. The weights add up to 65536, so the sum fits 24 bits.

@@ -48,11 +48,13 @@
 //!
 //! # Cost
 //!
-//! Instructions per gray pixel on a Cortex-M4, with all calls for a row of 64 pixels (`tests/chip/kernels` in QEMU):
+//! Instructions per gray pixel, with all calls for the lines of a window of 140x140 pixels (`tests/chip/readout.rs` in
+//! QEMU). A line outside the window takes about 80 (Cortex-M0+: 100).
 //!
-//! | gray 8 | YUYV, UYVY | RGB565, low byte first | high byte first | Bayer (two lines) | packed 10 bits |
-//! |---|---|---|---|---|---|
-//! | 4.5 | 5.9 | 19.2 | 20.7 | 31.6 | 13.2 |
+//! | | gray 8 | YUYV, UYVY | RGB565, low byte first | high byte first | Bayer (two lines) | packed 10 bits |
+//! |---|---|---|---|---|---|---|
+//! | M4 | 6.7 | 5.0 | 19.3 | 20.5 | 15.6 | 4.9 |
+//! | M0+ | 9.3 | 5.8 | 36.0 | 36.5 | 40.1 | 7.3 |
 //!
 //! [`Tracker::window`]: crate::Tracker::window
 
