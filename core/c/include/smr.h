@@ -79,18 +79,18 @@
 #define SMR_ALIGNMENT 8
 
 /** Bytes of storage for a paper tracker, a constant expression. At run time, ask #smr_target_size. */
-#define SMR_PAPER_TARGET_SIZE (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 10 * sizeof(size_t) + 112)
+#define SMR_PAPER_TARGET_SIZE (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 12 * sizeof(size_t) + 120)
 /** Bytes of a workspace for any number of the paper trackers, a constant expression. */
 #define SMR_PAPER_WORKSPACE_SIZE \
     (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 1184)
 /** The most bytes that #smr_save writes for the paper tracker. */
 #define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 94)
 /** Bytes of storage for one robust tracker, a constant expression. */
-#define SMR_ROBUST_TARGET_SIZE (12400 + 8 * sizeof(size_t))
+#define SMR_ROBUST_TARGET_SIZE (12408 + 10 * sizeof(size_t))
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
-#define SMR_ROBUST_WORKSPACE_SIZE (40368 + 16 * sizeof(size_t))
+#define SMR_ROBUST_WORKSPACE_SIZE (39672 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */
-#define SMR_ROBUST_SAVED_SIZE 12352
+#define SMR_ROBUST_SAVED_SIZE 12356
 
 /** A target with a lower quality may slip along its own texture unnoticed: see #smr_quality. */
 #define SMR_POOR_QUALITY 1023

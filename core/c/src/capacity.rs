@@ -14,7 +14,7 @@ pub(crate) type PaperTarget = Paper<PIXELS, SPAN>;
 pub const ALIGNMENT: usize = 8;
 
 /// Bytes of the paper tracker (`SMR_PAPER_TARGET_SIZE`): `PIXELS`, the fixed fields, and a small reserve.
-pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 10]>() + 112;
+pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 12]>() + 120;
 
 /// Extra bytes of the table of similarities on 32-bit processors without DSP or SIMD, for its entries for negative
 /// differences. On other processors the table has no such entries. The header's sizes always include these bytes, so
@@ -36,13 +36,13 @@ pub(crate) const REFINER: usize = 1056;
 const SAVED_REFINER: usize = 1046;
 
 /// Bytes of a robust tracker, without its workspace: `SMR_ROBUST_TARGET_SIZE` in the header.
-pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 8]>();
+pub const ROBUST_TARGET_SIZE: usize = 11352 + REFINER + size_of::<[usize; 10]>();
 
 /// Bytes of the robust tracker's workspace: `SMR_ROBUST_WORKSPACE_SIZE` in the header.
-pub const ROBUST_WORKSPACE_SIZE: usize = 39856 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();
+pub const ROBUST_WORKSPACE_SIZE: usize = 39160 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();
 
 /// Largest size of a saved target of the robust tracker, in bytes: `SMR_ROBUST_SAVED_SIZE` in the header.
-pub const ROBUST_SAVED_SIZE: usize = 11306 + SAVED_REFINER;
+pub const ROBUST_SAVED_SIZE: usize = 11310 + SAVED_REFINER;
 
 /// Quality below which a target is poor, in units of 1/65535 (0 to 65535): `SMR_POOR_QUALITY` in the header.
 const POOR_QUALITY: u16 = 1023;

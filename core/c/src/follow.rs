@@ -302,7 +302,6 @@ pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut 
 pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: i32) -> smr_status {
     // SAFETY: by the header, nobody else uses `tracker` during the call.
     status_of(unsafe { borrow(tracker) }.map(|tracker| {
-        tracker.cancel();
         each!(tracker.known(), target => target.moved(right, down));
         tracker.record(&Event::Moved(right, down));
     }))

@@ -107,8 +107,6 @@ struct Scratch<T: Method> {
     /// Result of [`Scratch::mark_of`] for the workspace's address. Any other value shows that the memory is not a
     /// workspace for this type of tracker.
     mark: usize,
-    /// Address of the [`OwnTracker`] whose lock or update may be under way; 0 if none is. Only it may continue.
-    owner: usize,
     workspace: T::Workspace,
 }
 
@@ -150,7 +148,6 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
         (&raw mut (*storage).own.workspace).write(workspace);
         (&raw mut (*storage).handle).write(smr_tracker::new(storage.cast(), &raw mut (*storage).own));
         (&raw mut (*workspace).workspace).write(T::EMPTY_WORKSPACE);
-        (&raw mut (*workspace).owner).write(0);
         (&raw mut (*workspace).mark).write(Scratch::mark_of(workspace));
     }
     Ok(())
@@ -168,18 +165,13 @@ impl<T: Method> OwnTracker<T> {
         NonNull::new(workspace)
     }
 
-    /// The target and its workspace, for a call that has passed its checks. Cancels a lock or update in steps that
-    /// another tracker has begun in the workspace.
+    /// The target and its workspace, for a call that has passed its checks.
     #[inline(never)] // one copy in flash
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
-        let owner = ptr::from_ref(self).addr();
         let mut scratch = self.workspace().ok_or(SMR_ERROR_NOT_INITIALISED)?;
         // SAFETY: the mark shows that a workspace of this type is there. By the header, calls on trackers that share it
         // do not overlap, so nobody else uses it.
-        let Scratch { owner: last, workspace, .. } = unsafe { scratch.as_mut() };
-        if core::mem::replace(last, owner) != owner {
-            calls::end::<T>(workspace);
-        }
+        let Scratch { workspace, .. } = unsafe { scratch.as_mut() };
         Ok((&mut self.target, workspace))
     }
 }
@@ -238,19 +230,6 @@ impl<T: Method> Tracked for OwnTracker<T> {
         // SAFETY: the mark shows that a workspace of this type is there, and calls that write it do not overlap this
         // one.
         Ok(T::work(unsafe { &self.workspace().ok_or(SMR_ERROR_NOT_INITIALISED)?.as_ref().workspace }))
-    }
-
-    fn cancel(&mut self) {
-        let own = ptr::from_ref(self).addr();
-        // Without a workspace, because its memory was overwritten, nothing is under way.
-        if let Some(mut scratch) = self.workspace() {
-            // SAFETY: the mark shows that a workspace of this type is there, and calls that use it do not overlap this
-            // one.
-            let owner = unsafe { &mut scratch.as_mut().owner };
-            if *owner == own {
-                *owner = 0;
-            }
-        }
     }
 
     #[cfg(feature = "unstable")]

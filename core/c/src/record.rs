@@ -95,10 +95,6 @@ impl Tracked for smr_recorder {
         Ok(())
     }
 
-    fn cancel(&mut self) {
-        self.own().cancel();
-    }
-
     fn record(&mut self, event: &Event<'_>) {
         let own = self.own();
         let (Some(write), 0) = (self.write, self.failed) else { return };

@@ -178,7 +178,6 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
             pointer::check_bytes(bytes, size, &tracker.memory())?;
             let bytes = core::slice::from_raw_parts(bytes, size);
             tracker.known().restore(bytes)?;
-            tracker.cancel();
             tracker.record(&Event::Restored(bytes));
             Ok(())
         })

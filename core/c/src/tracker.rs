@@ -84,8 +84,6 @@ pub(crate) trait Tracked {
     /// Does the work of a call after [`Tracked::begin`]: about `work` units; `None`: all. Returns
     /// [`SMR_UNDER_WAY`](crate::status::SMR_UNDER_WAY) while work remains.
     fn step(&mut self, frame: &Frame<'_>, call: &Call, work: Option<u32>) -> Result<(), smr_status>;
-    /// Ends the lock or update of this tracker that is under way.
-    fn cancel(&mut self);
     /// Passes an event to the recorder, if there is one.
     fn record(&mut self, _: &Event<'_>) {}
     fn window(&self) -> Option<Rect>;

@@ -7,8 +7,8 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
-use smr_core::calls::{self, Checked};
-use smr_core::{Answer, ConfigError, Frame, Rect, Robust, Steps, Target as _, UpdateError, paper, robust};
+use smr_core::calls::Checked;
+use smr_core::{Answer, ConfigError, Frame, Rect, Robust, Target as Stepping, UpdateError, paper, robust};
 use smr_evaluation::{MethodKind, Refused};
 use std::cell::RefCell;
 
@@ -51,24 +51,21 @@ fn not_updated(error: UpdateError) -> PyErr {
     }
 }
 
-/// Work of a step, in the units of [`Steps::work`]: some hundredths of a second.
+/// Work of a step, in the units of [`smr_core::Tracker::update_step`]: some hundredths of a second.
 const STEP: u32 = 100_000_000;
 
-fn stepped<T: Steps>(
+fn stepped<T: Stepping>(
     target: &mut T,
     workspace: &mut T::Workspace,
     frame: &Frame<'_>,
     mut go_on: impl FnMut() -> PyResult<()>,
 ) -> PyResult<Answer> {
-    calls::end::<T>(workspace);
     loop {
-        Checked::update(target, frame).map_err(not_updated)?.begin(target, workspace, Some(STEP));
-        if calls::step(target, workspace, frame, Some(STEP)) {
-            break;
+        if let Some(answer) = target.update_step(workspace, frame, STEP).map_err(not_updated)? {
+            return Ok(answer);
         }
-        go_on().inspect_err(|_| calls::end::<T>(workspace))?;
+        go_on().inspect_err(|_| target.cancel())?;
     }
-    Ok(calls::commit(target, workspace, frame))
 }
 
 /// Evaluates `$result` with `$of` bound to the target, for either tracker.

@@ -1,13 +1,13 @@
 //! The trait that both trackers implement, for generic code.
 
-use super::update::Steps;
+use super::update::{SEAL, Steps};
 use super::{Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, UpdateError};
 use crate::image::{FineRect, Frame, Rect};
 
 /// A target as a tracker remembers it: configuration, templates and track. Plain data.
 ///
 /// An update also needs scratch memory, the *workspace*. One workspace serves any number of targets, one update at a
-/// time. A [`Tracker`](crate::Tracker) holds one of each. Only [`Paper`](crate::Paper) and [`Robust`](crate::Robust)
+/// time, also in steps ([`Target::update_step`]). A [`Tracker`](crate::Tracker) holds one of each. Only [`Paper`](crate::Paper) and [`Robust`](crate::Robust)
 /// implement the trait: it is sealed.
 ///
 /// ```
@@ -108,6 +108,23 @@ pub trait Target: Steps {
         super::update::lock(self, workspace, frame, bbox)
     }
 
+    /// Locks in steps of bounded work: begins a lock, or continues one with the same `bbox` and frame size. The pixels
+    /// must be the same in every step. `None` while work remains. The first step forgets the old target, so there is no
+    /// target until the lock is done. Units of work, and calls that end a lock under way: see [`Target::update_step`].
+    /// [`Paper`](crate::Paper) needs one step, whatever `work` is.
+    ///
+    /// # Errors
+    /// [`LockError`]. Nothing is then changed.
+    fn lock_step(
+        &mut self,
+        workspace: &mut Self::Workspace,
+        frame: &Frame<'_>,
+        bbox: Rect,
+        work: u32,
+    ) -> Result<Option<Quality>, LockError> {
+        super::update::lock_step(self, workspace, frame, bbox, work)
+    }
+
     /// The part of the frame that the next update may read; `None` before the first lock, never empty. Firmware may
     /// read out only these pixels and those of [`Target::sweep_window`]: see [`Frame::part`].
     fn window(&self) -> Option<Rect>;
@@ -167,6 +184,103 @@ pub trait Target: Steps {
     /// [`UpdateError`]. The target is then unchanged.
     fn update(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
         super::update::update(self, workspace, frame)
+    }
+
+    /// Updates in steps of bounded work: begins an update, or continues the one of this target that is under way in
+    /// `workspace`. `None` while work remains. The answer does not depend on the steps. The pixels must be the same in
+    /// every step. Units of `work`, and the most work of a step: see [`Tracker::update_step`](crate::Tracker::update_step).
+    ///
+    /// Targets that share a workspace take turns, one update at a time. The first step of another target in the same
+    /// workspace, or its update or lock, discards the update under way; so does every other call that changes this
+    /// target, and a move of this target in memory, unless the workspace moves with it. The next step then begins anew,
+    /// so no target continues the update of another. A call that fails discards nothing.
+    ///
+    /// ```
+    /// use smr_core::{Frame, Image, Rect, Robust, Target, robust};
+    /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
+    /// let mut workspace = robust::Workspace::new();
+    /// let mut targets = [Robust::new(), Robust::new()];
+    /// for (target, x) in targets.iter_mut().zip([4, 40]) {
+    ///     while target.lock_step(&mut workspace, &frame, Rect::new(x, 10, 16, 16), 200_000)?.is_none() {}
+    /// }
+    /// let mut steps = 0;
+    /// for (target, x) in targets.iter_mut().zip([4, 40]) {
+    ///     let answer = loop {
+    ///         // Other work with a deadline comes between the steps, but no step of the other target.
+    ///         steps += 1;
+    ///         if let Some(answer) = target.update_step(&mut workspace, &frame, 100_000)? {
+    ///             break answer;
+    ///         }
+    ///     };
+    ///     assert_eq!(answer.bbox.x, x);
+    /// }
+    /// assert!(steps > 10);
+    /// # Ok::<(), smr_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`UpdateError`]. Nothing is then changed.
+    fn update_step(
+        &mut self,
+        workspace: &mut Self::Workspace,
+        frame: &Frame<'_>,
+        work: u32,
+    ) -> Result<Option<Answer>, UpdateError> {
+        super::update::update_step(self, workspace, frame, work)
+    }
+
+    /// Discards the update or lock of this target that is under way, for example because a newer frame is there: the
+    /// next step begins anew. After a discarded lock there is no target. Takes a few instructions.
+    fn cancel(&mut self) {
+        self.ticket(SEAL).end();
+    }
+
+    /// Repeats [`Target::update_step`] with 10,000 units of work until the answer is there or `expired` returns true.
+    /// The call may exceed a deadline by one step: up to 140,000 units for [`Robust`](crate::Robust). After `None`,
+    /// continue with the same frame in the next period. `expired` is called after each step that leaves work.
+    ///
+    /// ```
+    /// use smr_core::{Answer, Frame, Target, UpdateError};
+    ///
+    /// /// One period of a control loop, with either tracker: `None` if the answer must wait for the next one.
+    /// fn period<T: Target>(
+    ///     target: &mut T,
+    ///     workspace: &mut T::Workspace,
+    ///     frame: &Frame<'_>,
+    ///     now: impl Fn() -> u32,
+    /// ) -> Result<Option<Answer>, UpdateError> {
+    ///     let end = now() + 500; // microseconds
+    ///     target.update_step_until(workspace, frame, || now() >= end)
+    /// }
+    /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    /// # let frame = Frame::whole(smr_core::Image::new(&pixels, 64, 48)?);
+    /// # let (mut robust, mut workspace) = (smr_core::Robust::new(), smr_core::robust::Workspace::new());
+    /// # robust.lock(&mut workspace, &frame, smr_core::Rect::new(20, 10, 16, 16))?;
+    /// # let clock = core::cell::Cell::new(0);
+    /// # let now = || clock.replace(clock.get() + 100);
+    /// # let mut periods = 1;
+    /// # while period(&mut robust, &mut workspace, &frame, &now)?.is_none() {
+    /// #     periods += 1;
+    /// # }
+    /// # assert!(periods > 2);
+    /// # Ok::<(), smr_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Target::update_step`].
+    fn update_step_until(
+        &mut self,
+        workspace: &mut Self::Workspace,
+        frame: &Frame<'_>,
+        mut expired: impl FnMut() -> bool,
+    ) -> Result<Option<Answer>, UpdateError> {
+        loop {
+            let answer = self.update_step(workspace, frame, 10_000)?;
+            if answer.is_some() || expired() {
+                return Ok(answer);
+            }
+        }
     }
 }
 

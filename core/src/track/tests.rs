@@ -2,6 +2,7 @@
 
 mod promises;
 mod refused;
+mod shared;
 
 use super::checksum::Crc;
 use super::record::Recorder;
@@ -16,6 +17,7 @@ use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
 use core::fmt::Debug;
 use promises::{promises_hold_at_the_edges, promises_hold_in_films};
 use refused::refused_calls_change_nothing_between_steps;
+use shared::{a_shared_workspace_costs_no_step, no_target_continues_the_call_of_another};
 use std::{boxed::Box, string::ToString, vec, vec::Vec};
 
 type SmallPaper = Paper<1024, 161>;
@@ -125,6 +127,8 @@ for_both! {
     damaged_bytes_are_refused,
     misuse_is_an_error_and_changes_nothing,
     refused_calls_change_nothing_between_steps,
+    a_shared_workspace_costs_no_step,
+    no_target_continues_the_call_of_another,
 }
 
 fn the_scene_has_what_it_is_for<T: Target>(config: T::Config) {

@@ -1,7 +1,6 @@
 //! A target together with its workspace, for following a single target.
 
 use super::update;
-use super::update::calls::{self, Checked};
 use super::{Answer, ConfigError, LockError, Quality, RestoreError, SaveError, State, Target, UpdateError};
 use crate::image::{FineRect, Frame, Rect};
 use core::fmt;
@@ -77,9 +76,7 @@ impl<T: Target> Tracker<T> {
     /// # Errors
     /// [`ConfigError`] if the configuration is invalid. Nothing is then changed.
     pub fn configure(&mut self, config: T::Config) -> Result<(), ConfigError> {
-        self.target.configure(config)?;
-        calls::end::<T>(&mut self.workspace);
-        Ok(())
+        self.target.configure(config)
     }
 
     /// The target.
@@ -94,9 +91,9 @@ impl<T: Target> Tracker<T> {
         &self.workspace
     }
 
-    /// Borrows target and workspace separately. Ends an update or lock under way.
-    pub fn parts(&mut self) -> (&mut T, &mut T::Workspace) {
-        calls::end::<T>(&mut self.workspace);
+    /// Borrows target and workspace separately, for [`Target`]'s calls. Another target may use the workspace: that
+    /// discards an update or lock of this tracker that is under way.
+    pub const fn parts(&mut self) -> (&mut T, &mut T::Workspace) {
         (&mut self.target, &mut self.workspace)
     }
 
@@ -118,24 +115,18 @@ impl<T: Target> Tracker<T> {
         update::lock(&mut self.target, &mut self.workspace, frame, bbox)
     }
 
-    /// Locks in steps of bounded work: begins a lock, or continues one with the same `bbox` and frame size. The pixels
-    /// must be the same in every step. `None` while work remains. The first step forgets the old target, so there is no
-    /// target until the lock is done. Units: see [`Tracker::update_step`]. [`Paper`](crate::Paper) needs one step.
+    /// See [`Target::lock_step`].
     ///
     /// # Errors
     /// [`LockError`]. Nothing is then changed.
     pub fn lock_step(&mut self, frame: &Frame<'_>, bbox: Rect, work: u32) -> Result<Option<Quality>, LockError> {
-        let Self { target, workspace } = self;
-        Checked::lock(target, frame, bbox)?.begin(target, workspace, Some(work));
-        let is_done = calls::step(target, workspace, frame, Some(work));
-        Ok(is_done.then(|| calls::commit_lock(target, workspace, frame)))
+        update::lock_step(&mut self.target, &mut self.workspace, frame, bbox, work)
     }
 
     of_the_target! { window: Rect, sweep_window: Rect, bbox: FineRect, state: State, quality: Quality }
 
     /// See [`Target::moved`].
     pub fn moved(&mut self, right: i32, down: i32) {
-        calls::end::<T>(&mut self.workspace);
         self.target.moved(right, down);
     }
 
@@ -158,8 +149,9 @@ impl<T: Target> Tracker<T> {
     /// The answer does not depend on the steps. The pixels must be the same in every step.
     ///
     /// The tracker stores the update under way. Every other call that changes the target ([`update`](Self::update),
-    /// `lock`, `lock_step`, `moved`, `restore`, `configure`, `parts`) ends it, and the next step begins a new one. A call
-    /// that fails changes nothing: the update or lock under way continues as if the call had not been made.
+    /// `lock`, `lock_step`, `moved`, `restore`, `configure`, `cancel`) ends it, and the next step begins a new one. A call
+    /// that fails changes nothing: the update or lock under way continues as if the call had not been made. The tracker
+    /// may move in memory between two steps.
     ///
     /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
     /// |---|---|---|
@@ -189,10 +181,12 @@ impl<T: Target> Tracker<T> {
     /// # Errors
     /// [`UpdateError`]. Nothing is then changed.
     pub fn update_step(&mut self, frame: &Frame<'_>, work: u32) -> Result<Option<Answer>, UpdateError> {
-        let Self { target, workspace } = self;
-        Checked::update(target, frame)?.begin(target, workspace, Some(work));
-        let is_done = calls::step(target, workspace, frame, Some(work));
-        Ok(is_done.then(|| calls::commit(target, workspace, frame)))
+        update::update_step(&mut self.target, &mut self.workspace, frame, work)
+    }
+
+    /// See [`Target::cancel`].
+    pub fn cancel(&mut self) {
+        self.target.cancel();
     }
 
     /// Repeats [`Tracker::update_step`] with 10,000 units of work until the answer is there or `expired` returns true.
@@ -204,14 +198,9 @@ impl<T: Target> Tracker<T> {
     pub fn update_step_until(
         &mut self,
         frame: &Frame<'_>,
-        mut expired: impl FnMut() -> bool,
+        expired: impl FnMut() -> bool,
     ) -> Result<Option<Answer>, UpdateError> {
-        loop {
-            let answer = self.update_step(frame, 10_000)?;
-            if answer.is_some() || expired() {
-                return Ok(answer);
-            }
-        }
+        self.target.update_step_until(&mut self.workspace, frame, expired)
     }
 
     /// See [`Target::saved_size`].
@@ -235,9 +224,7 @@ impl<T: Target> Tracker<T> {
     /// # Errors
     /// [`RestoreError`]. Nothing is then changed.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
-        self.target.restore(bytes)?;
-        calls::end::<T>(&mut self.workspace);
-        Ok(())
+        self.target.restore(bytes)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Updates and locks in steps: one protocol for both trackers and for C.
 //!
-//! The workspace stores the call under way and its progress. So that a call cannot continue with another target, it
-//! continues only in a [`Tracker`](crate::Tracker), which owns target and workspace, or in the C interface, whose
-//! workspace stores its last user. Every other call that changes the target ends it; a call that fails does not.
+//! The workspace stores the call under way and its progress; it and the target store the same [`Ticket`]. A call continues
+//! only with the target and the workspace that have its ticket. Every other call that changes the target takes the
+//! ticket away, and a call with another target replaces the one in the workspace. A call that fails does neither.
 
 use super::{Answer, LockError, Quality, UpdateError};
 use crate::image::{Frame, Rect};
@@ -12,6 +12,40 @@ use crate::image::{Frame, Rect};
 pub struct Seal(());
 
 pub(super) const SEAL: Seal = Seal(());
+
+/// The latest call of a target, as the target and its workspace know it.
+///
+/// No number is unique without a global variable, which this crate must not have. So a call is known by the addresses
+/// that its target and its workspace had when it began, and by a count that is above those of all earlier calls of this
+/// target and of this workspace. It continues only while target and workspace have the same distance in memory, as in a
+/// [`Tracker`](crate::Tracker) that moves. So no target continues the call of another, as long as a program does not
+/// exchange the targets twice, and also replace their workspace, between the steps of the same calls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ticket {
+    target: usize,
+    workspace: usize,
+    count: u32,
+}
+
+impl Ticket {
+    pub(super) const NONE: Self = Self { target: 0, workspace: 0, count: 0 };
+
+    /// Ends the update or lock that is under way, in whichever workspace it is. The count stays, so that no later
+    /// ticket equals an earlier one.
+    pub(super) const fn end(&mut self) {
+        self.target = 0;
+    }
+
+    /// The ticket of a call that begins after the calls of `self` and `other`.
+    const fn next(self, other: Self, target: usize, workspace: usize) -> Self {
+        let latest = if self.count > other.count { self.count } else { other.count };
+        Self { target, workspace, count: latest.wrapping_add(1) }
+    }
+
+    const fn is_at_distance(self, distance: usize) -> bool {
+        self.target.wrapping_sub(self.workspace) == distance
+    }
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)] // `Nothing` is 0, so that a workspace in a `static` begins as zeroes
@@ -76,11 +110,12 @@ pub(super) const fn largest(of: &[u32]) -> u32 {
 #[derive(Clone, Copy, Debug)]
 pub struct UnderWay {
     call: Call,
+    ticket: Ticket,
     pub(super) budget: Budget,
 }
 
 impl UnderWay {
-    pub(super) const NOTHING: Self = Self { call: Call::Nothing, budget: Budget::NOTHING };
+    pub(super) const NOTHING: Self = Self { call: Call::Nothing, ticket: Ticket::NONE, budget: Budget::NOTHING };
 
     pub(super) const fn end(&mut self) {
         self.call = Call::Nothing;
@@ -106,6 +141,10 @@ pub trait Steps: Sized {
 
     /// The work of the present or last update or lock in this workspace: see [`Tracker::work`](crate::Tracker::work).
     fn work(workspace: &Self::Workspace) -> u32;
+
+    /// The ticket of the latest call of this target.
+    #[doc(hidden)]
+    fn ticket(&mut self, _: Seal) -> &mut Ticket;
 
     /// Checks that an update with `frame` is possible.
     ///
@@ -149,7 +188,8 @@ pub trait Steps: Sized {
 /// The stages of a call one by one, for the C interface, which writes the answer directly to the caller's memory.
 #[doc(hidden)]
 pub mod calls {
-    use super::{Answer, Call, Frame, LockError, Quality, Rect, SEAL, Steps, UnderWay, UpdateError};
+    use super::{Answer, Budget, Call, Frame, LockError, Quality, Rect, SEAL, Steps, UnderWay, UpdateError};
+    use core::ptr;
 
     /// An update or a lock that has passed its checks. Only such a call can replace the one under way in a workspace, so
     /// a refused call leaves that one as it is.
@@ -177,16 +217,21 @@ pub mod calls {
             Ok(Self(Call::Lock([width, height], bbox)))
         }
 
-        /// Begins this call of the checked target, in place of any other call under way, or continues it if it is under
-        /// way. Grants its next step about `work` units. `None`: begins in any case, and grants everything. Returns true
-        /// if the call begins.
+        /// Begins this call of the checked target, in place of any other call under way of the target or in the
+        /// workspace, or continues it if it is under way there. Grants its next step about `work` units. `None`: begins
+        /// in any case, and grants everything. Returns true if the call begins.
         #[inline(always)] // one place calls it for each tracker in C
         pub fn begin<T: Steps>(self, target: &mut T, workspace: &mut T::Workspace, work: Option<u32>) -> bool {
             let Self(call) = self;
-            let under_way = T::under_way(workspace, SEAL);
-            let begins = work.is_none() || under_way.call != call;
+            let (place, scratch) = (ptr::from_ref(target).addr(), ptr::from_ref(workspace).addr());
+            let (ticket, under_way) = (target.ticket(SEAL), T::under_way(workspace, SEAL));
+            let is_same = under_way.call == call
+                && under_way.ticket == *ticket
+                && ticket.is_at_distance(place.wrapping_sub(scratch));
+            let begins = work.is_none() || !is_same;
             if begins {
-                *under_way = UnderWay { call, ..UnderWay::NOTHING };
+                *ticket = ticket.next(under_way.ticket, place, scratch);
+                *under_way = UnderWay { call, ticket: *ticket, budget: Budget::NOTHING };
             }
             under_way.budget.grant(work.unwrap_or(u32::MAX));
             match call {
@@ -227,11 +272,6 @@ pub mod calls {
         T::under_way(workspace, SEAL).end();
         quality
     }
-
-    /// Ends the update or lock that is under way in the workspace.
-    pub fn end<T: Steps>(workspace: &mut T::Workspace) {
-        T::under_way(workspace, SEAL).end();
-    }
 }
 
 pub(super) fn update<T: Steps>(
@@ -253,4 +293,27 @@ pub(super) fn lock<T: Steps>(
     calls::Checked::lock(target, frame, bbox)?.begin(target, workspace, None);
     calls::step(target, workspace, frame, None);
     Ok(calls::commit_lock(target, workspace, frame))
+}
+
+pub(super) fn update_step<T: Steps>(
+    target: &mut T,
+    workspace: &mut T::Workspace,
+    frame: &Frame<'_>,
+    work: u32,
+) -> Result<Option<Answer>, UpdateError> {
+    calls::Checked::update(target, frame)?.begin(target, workspace, Some(work));
+    let is_done = calls::step(target, workspace, frame, Some(work));
+    Ok(is_done.then(|| calls::commit(target, workspace, frame)))
+}
+
+pub(super) fn lock_step<T: Steps>(
+    target: &mut T,
+    workspace: &mut T::Workspace,
+    frame: &Frame<'_>,
+    bbox: Rect,
+    work: u32,
+) -> Result<Option<Quality>, LockError> {
+    calls::Checked::lock(target, frame, bbox)?.begin(target, workspace, Some(work));
+    let is_done = calls::step(target, workspace, frame, Some(work));
+    Ok(is_done.then(|| calls::commit_lock(target, workspace, frame)))
 }

@@ -8,7 +8,6 @@ use anyhow::Result;
 use clap::ValueEnum;
 use serde::Serialize;
 use serde_json::{Map, Value};
-use smr_core::calls::{self, Checked};
 use smr_core::paper::{Config, Fraction};
 use smr_core::{Frame, Quality, Rect, Robust, Target, robust};
 use std::cell::RefCell;
@@ -151,13 +150,10 @@ impl<T: Target> Method for Stepped<T> {
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<MethodAnswer> {
         let workspace = &mut self.workspace.borrow_mut();
-        let step = Some(self.step);
-        calls::end::<T>(workspace); // another target's
-        while {
-            Checked::update(&self.target, frame)?.begin(&mut self.target, workspace, step);
-            !calls::step(&mut self.target, workspace, frame, step)
-        } {}
-        let answer = calls::commit(&mut self.target, workspace, frame);
-        Ok(MethodAnswer { work: Some(T::work(workspace)), ..answer.into() })
+        loop {
+            if let Some(answer) = self.target.update_step(workspace, frame, self.step)? {
+                return Ok(MethodAnswer { work: Some(T::work(workspace)), ..answer.into() });
+            }
+        }
     }
 }

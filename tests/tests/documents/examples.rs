@@ -74,13 +74,41 @@ mod lost {
     }
 }
 
+mod turns {
+    use super::pictures;
+    use smr_core::{Image, LockError, Paper};
+
+    include!(concat!(env!("OUT_DIR"), "/core-3.rs"));
+
+    #[test]
+    fn each_target_gets_its_turn() {
+        let pictures = pictures(2);
+        let frame = |number: usize| Frame::whole(Image::new(&pictures[number], 320, 240).unwrap());
+        let mut workspace = smr_core::paper::Workspace::<4096, 33>::new();
+        let mut targets = [Paper::new(), Paper::new()];
+        let locks = targets
+            .iter_mut()
+            .zip([150, 151])
+            .map(|(target, x)| target.lock(&mut workspace, &frame(0), Rect::new(x, 100, 39, 48)));
+        locks.collect::<Result<Vec<_>, LockError>>().unwrap();
+        let (mut next, mut periods, mut seen) = (0, 0, vec![]);
+        while next < targets.len() {
+            let found = |number, bbox: Rect| seen.push((number, bbox.x));
+            follow_in_turn(&mut targets, &mut next, &mut workspace, &frame(1), || true, found).unwrap();
+            periods += 1;
+        }
+        assert_eq!(seen, [(0, 152), (1, 153)]);
+        assert!(periods > 2, "{periods}");
+    }
+}
+
 mod recorder {
     use super::pictures;
     use smr_core::{Image, Paper, Rect, paper};
     use std::convert::Infallible;
     use std::io::Cursor;
 
-    include!(concat!(env!("OUT_DIR"), "/core-3.rs"));
+    include!(concat!(env!("OUT_DIR"), "/core-4.rs"));
 
     #[test]
     fn the_record_holds_the_answer() {
@@ -108,7 +136,7 @@ mod several {
     use super::pictures;
     use smr_core::Image;
 
-    include!(concat!(env!("OUT_DIR"), "/core-4.rs"));
+    include!(concat!(env!("OUT_DIR"), "/core-5.rs"));
 
     #[test]
     fn both_are_locked() {
@@ -183,7 +211,7 @@ mod head {
             if frames <= 3 { whole() } else { Frame::whole(Image::new(&picture, 120, 160).unwrap()) }
         };
         let seconds_since_last_frame = || 1.0 / 30.0;
-        let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-5.rs")) };
+        let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-6.rs")) };
         let ended = endless().unwrap_err().to_string();
         assert!(ended.contains("size"), "{ended}");
         // `pan` and `tilt` are duty cycles: a pulse of 1500 in 20,000 microseconds would point straight ahead.

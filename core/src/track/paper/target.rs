@@ -12,7 +12,7 @@ use crate::similarity::score_at;
 use crate::similarity::{Backend, Contrast, CutTable, Scorer};
 use crate::track::saved::Refusal;
 use crate::track::target::{Slot, lockable};
-use crate::track::update::{Seal, Steps, UnderWay};
+use crate::track::update::{Seal, Steps, Ticket, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, Tracker, UpdateError,
 };
@@ -24,6 +24,7 @@ use core::fmt;
 pub struct Paper<const PIXELS: usize, const SPAN: usize> {
     pub(super) config: Slot<Config>,
     pub(super) track: Slot<Track>,
+    ticket: Ticket,
     template: Template<PIXELS>,
 }
 
@@ -38,7 +39,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     #[must_use]
     #[inline(always)]
     pub const fn new() -> Self {
-        Self { config: Slot::Empty, track: Slot::Empty, template: Template::new() }
+        Self { config: Slot::Empty, track: Slot::Empty, ticket: const { Ticket::NONE }, template: Template::new() }
     }
 
     #[cfg_attr(smr_small, inline(never))]
@@ -144,6 +145,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     #[inline(always)]
     fn set_config(&mut self, config: Config) {
         (self.config, self.track) = (Slot::Full(config), Slot::Empty);
+        self.ticket.end();
     }
 
     fn config(&self) -> &Config {
@@ -175,6 +177,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     }
 
     fn moved(&mut self, right: i32, down: i32) {
+        self.ticket.end();
         if let Some(track) = self.track.get_mut() {
             track.moved(right, down, Self::configured(&self.config).padding);
         }
@@ -191,7 +194,9 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     #[inline(always)] // so that a program that does not name settings does not link their names
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
         let restored = saved::restore(Self::configured(&self.config), &mut self.template, SPAN, bytes);
-        restored.map(|track| self.track = Slot::Full(track)).map_err(Refusal::named::<Config>)
+        self.track = Slot::Full(restored.map_err(Refusal::named::<Config>)?);
+        self.ticket.end();
+        Ok(())
     }
 
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
@@ -208,6 +213,10 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 
     fn work(workspace: &Self::Workspace) -> u32 {
         workspace.under_way.budget.done()
+    }
+
+    fn ticket(&mut self, _: Seal) -> &mut Ticket {
+        &mut self.ticket
     }
 
     #[inline(never)]
@@ -240,7 +249,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 
     #[inline(never)]
     fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: Seal) -> bool {
-        let Self { template, config, track } = self;
+        let Self { template, config, track, .. } = self;
         let config = Self::configured(config);
         let (Some(track), Some(image)) = (track.get(), template.image()) else { return true };
         let Workspace { search, table, under_way, window, .. } = workspace;

@@ -14,7 +14,7 @@ use crate::track::saved::Refusal;
 use crate::track::target::{Slot, lockable};
 #[cfg(feature = "unstable")]
 use crate::track::update::SEAL;
-use crate::track::update::{Seal, Steps, UnderWay};
+use crate::track::update::{Seal, Steps, Ticket, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, Tracker, UpdateError,
 };
@@ -44,6 +44,7 @@ use crate::track::{
 /// ```
 pub struct Robust {
     config: Slot<Config>,
+    ticket: Ticket,
     memory: Memory,
 }
 
@@ -55,7 +56,7 @@ impl Robust {
     #[must_use]
     #[inline(always)]
     pub const fn new() -> Self {
-        Self { config: Slot::Empty, memory: Memory::new() }
+        Self { config: Slot::Empty, ticket: const { Ticket::NONE }, memory: Memory::new() }
     }
 
     #[cfg_attr(smr_small, inline(never))]
@@ -159,6 +160,7 @@ impl Target for Robust {
     #[inline(always)]
     fn set_config(&mut self, config: Config) {
         (self.config, self.memory.track) = (Slot::Full(config), None);
+        self.ticket.end();
     }
 
     fn config(&self) -> &Config {
@@ -193,6 +195,7 @@ impl Target for Robust {
     }
 
     fn moved(&mut self, right: i32, down: i32) {
+        self.ticket.end();
         if let Some(track) = &mut self.memory.track {
             track.motion.shift(right, down, track.bounds);
         }
@@ -208,7 +211,9 @@ impl Target for Robust {
 
     #[inline(always)] // a program that does not name settings does not link their names
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
-        self.memory.restore(Self::configured(&self.config), bytes).map_err(Refusal::named::<Config>)
+        self.memory.restore(Self::configured(&self.config), bytes).map_err(Refusal::named::<Config>)?;
+        self.ticket.end();
+        Ok(())
     }
 
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
@@ -225,6 +230,10 @@ impl Steps for Robust {
 
     fn work(workspace: &Workspace) -> u32 {
         workspace.under_way.budget.done()
+    }
+
+    fn ticket(&mut self, _: Seal) -> &mut Ticket {
+        &mut self.ticket
     }
 
     fn check(&self, frame: &Frame<'_>, _: Seal) -> Result<(), UpdateError> {
