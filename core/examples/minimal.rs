@@ -51,7 +51,7 @@ mod firmware {
         tracker.lock(&frame(first)?, START)?;
 
         for (number, pixels) in (2u32..).zip(others) {
-            // The tracker reads only this window. If the camera can read out a window, pass it by `Frame::of_window`.
+            // The tracker reads only this window. If the camera can read out a window, pass it by `Frame::of_windows`.
             let window = tracker.window().unwrap_or_default();
             info!("frame {=u32}: reads {=u16}x{=u16} pixels", number, window.width, window.height);
 

@@ -114,7 +114,7 @@ struct Readme;
 
 pub use error::Error;
 pub use image::readout;
-pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect, WindowError};
+pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect, WindowError, Windows};
 #[doc(hidden)]
 pub use track::calls;
 pub use track::paper;

@@ -3,7 +3,7 @@
 //! `smr-core` tests the gray level of each pixel.
 
 use smr_core::readout::{Format, Readout};
-use smr_core::{Frame, Image, LockError, Paper, Rect, Robust, Target, Tracker, UpdateError, paper, robust};
+use smr_core::{Frame, Image, LockError, Paper, Rect, Robust, Target, Tracker, UpdateError, Windows, paper, robust};
 
 /// Returns the size, the initial box and the pictures of a recording. A texture that fills each picture moves and
 /// grows. The last three of every nine pictures are noise, so that the tracker has to search for the target.
@@ -49,10 +49,8 @@ impl Sensor {
     fn read(&self, windows: &[Rect]) -> (Readout, Vec<u8>) {
         // A readout has at least one pixel, even if the tracker needs none.
         let window = |&rect: &Rect| if rect.is_empty() { Rect::new(0, 0, 1, 1) } else { rect };
-        let mut readout = Readout::new(self.format, self.size, window(&windows[0])).unwrap();
-        if let Some(second) = windows.get(1) {
-            readout = readout.and_window(window(second)).unwrap();
-        }
+        let windows = Windows::new(window(&windows[0]), windows.get(1).map(window));
+        let mut readout = Readout::new(self.format, self.size, windows).unwrap();
         let mut pixels = vec![0; readout.pixels()];
         (0..).zip(&self.lines).for_each(|(y, line)| readout.push_line(y, line, &mut pixels).unwrap());
         (readout, pixels)
@@ -80,8 +78,8 @@ fn compare<T: Target>(config: T::Config) -> usize {
             let (_, gray) = sensor.read(&[bounds]);
             assert!(format != Format::Gray8 || gray == *picture);
             let frame = Frame::whole(Image::new(&gray, width, height).unwrap());
-            let windows = part.window().into_iter().chain(part.sweep_window());
-            let asked = if number == 0 { vec![part.lock_window(bounds, target)] } else { windows.collect() };
+            let windows = part.windows().unwrap_or(part.lock_window(bounds, target).into());
+            let asked: Vec<Rect> = windows.iter().collect();
             for missing in (0..asked.len()).filter(|&missing| asked[missing].height > 1) {
                 let mut fewer = asked.clone();
                 fewer[missing].height -= 1;

@@ -284,8 +284,8 @@ pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut 
     // rectangles.
     status_of(unsafe {
         write_result(tracker, windows.cast::<[smr_rect; 2]>(), |tracker| {
-            let window = tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?;
-            Ok([window, tracker.sweep_window().unwrap_or_default()].map(Into::into))
+            let mut windows = tracker.windows().ok_or(SMR_ERROR_NOT_LOCKED)?.into_iter();
+            Ok([windows.next(), windows.next()].map(|window| window.unwrap_or_default().into()))
         })
     })
 }

@@ -20,7 +20,7 @@ use core::mem::offset_of;
 use core::ops::Range;
 use core::ptr::{self, NonNull};
 use smr_core::calls::{self, Checked};
-use smr_core::{Frame, Rect, Robust, Target};
+use smr_core::{Frame, Rect, Robust, Target, Windows};
 
 /// A tracker of `smr-core`, with what C needs to construct it.
 pub(crate) trait Method: Target + 'static {
@@ -217,12 +217,8 @@ impl<T: Method> Tracked for OwnTracker<T> {
         Ok(())
     }
 
-    fn window(&self) -> Option<Rect> {
-        self.target.window()
-    }
-
-    fn sweep_window(&self) -> Option<Rect> {
-        self.target.sweep_window()
+    fn windows(&self) -> Option<Windows> {
+        self.target.windows()
     }
 
     #[cfg(feature = "unstable")]

@@ -7,8 +7,8 @@ use crate::status::{
 };
 use core::sync::atomic::{Ordering, compiler_fence};
 use core::{ptr, slice};
-use smr_core::Rect;
 use smr_core::readout::{Format, Readout, ReadoutError};
+use smr_core::{Rect, Windows};
 
 /// The format in which a camera sends its pixels.
 #[repr(i32)]
@@ -113,10 +113,8 @@ impl smr_readout {
     fn core_readout(&self) -> Result<Readout, smr_status> {
         let ([first, second], format) = (self.windows.map(Rect::from), self.format()?);
         pointer::check_bytes(self.pixels, self.size, &[0..0, 0..0])?;
-        let mut readout = Readout::new(format, (self.columns, self.lines), first)?;
-        if !second.is_empty() {
-            readout = readout.and_window(second)?;
-        }
+        let windows = Windows::new(first, Some(second).filter(|second| !second.is_empty()));
+        let mut readout = Readout::new(format, (self.columns, self.lines), windows)?;
         if self.size < readout.pixels() {
             return Err(SMR_ERROR_BUFFER_TOO_SMALL);
         }

@@ -6,7 +6,7 @@ use crate::tracker::{Call, Event, Known, Tracked, borrow, each, smr_tracker};
 use core::ffi::{c_int, c_void};
 use core::ops::Range;
 use smr_core::record::Recorder;
-use smr_core::{Frame, Rect};
+use smr_core::{Frame, Rect, Windows};
 
 /// The recorder of a tracker: see #smr_record. Fill in `write` and `context`; set all other fields to 0.
 #[repr(C)]
@@ -107,10 +107,7 @@ impl Tracked for smr_recorder {
         let _: Result<(), ()> = match *event {
             Event::Begin => each!(own.known(), target => to.beginning(target)),
             Event::Lock(frame, bbox) => to.lock_of(frame, bbox, own.lock_window(frame.bounds(), bbox)),
-            Event::Window(frame) => {
-                let [window, sweep] = [own.window(), own.sweep_window()].map(Option::unwrap_or_default);
-                to.window_of(frame, window, sweep)
-            }
+            Event::Window(frame) => own.windows().map_or(Ok(()), |windows| to.window_of(frame, windows)),
             Event::Answer(answer) => to.answer(&answer.read().into()),
             Event::Moved(right, down) => to.moved(right, down),
             Event::Restored(saved) => to.restored(saved),
@@ -119,12 +116,8 @@ impl Tracked for smr_recorder {
         self.entries = to.entries();
     }
 
-    fn window(&self) -> Option<Rect> {
-        self.own().window()
-    }
-
-    fn sweep_window(&self) -> Option<Rect> {
-        self.own().sweep_window()
+    fn windows(&self) -> Option<Windows> {
+        self.own().windows()
     }
 
     #[cfg(feature = "unstable")]

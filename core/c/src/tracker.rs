@@ -7,7 +7,7 @@ use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_NOT_INITIALISED, smr_status};
 use core::ops::Range;
 use core::ptr::addr_of;
-use smr_core::{Frame, Rect, Robust};
+use smr_core::{Frame, Rect, Robust, Windows};
 
 /// A tracker of one target, in storage that the caller gives to #smr_init. It needs no clean-up and must not move.
 ///
@@ -86,8 +86,7 @@ pub(crate) trait Tracked {
     fn step(&mut self, frame: &Frame<'_>, call: &Call, work: Option<u32>) -> Result<(), smr_status>;
     /// Passes an event to the recorder, if there is one.
     fn record(&mut self, _: &Event<'_>) {}
-    fn window(&self) -> Option<Rect>;
-    fn sweep_window(&self) -> Option<Rect>;
+    fn windows(&self) -> Option<Windows>;
     #[cfg(feature = "unstable")]
     fn work(&self) -> Result<u32, smr_status>;
     #[cfg(feature = "unstable")]

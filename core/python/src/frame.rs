@@ -3,7 +3,7 @@
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use smr_core::{Frame, Image, Rect};
+use smr_core::{Frame, Image, Rect, Windows};
 use smr_files::messages;
 
 /// A borrow of a numpy array while its pixels are read.
@@ -85,10 +85,8 @@ impl<'a> Pixels<'a> {
         let first = first.unwrap_or(Rect::new(0, 0, 1, 1));
         gray.clear();
         self.gather(first, gray);
-        let end = gray.len();
         second.inspect(|window| self.gather(*window, gray));
-        let frame = Frame::of_window(&gray[..end], first, (self.width, self.height)).map_err(refused)?;
-        second.map_or(Ok(frame), |window| frame.and_window(&gray[end..], window)).map_err(refused)
+        Frame::of_windows(gray, Windows::new(first, second), (self.width, self.height)).map_err(refused)
     }
 
     fn gather(&self, window: Rect, gray: &mut Vec<u8>) {

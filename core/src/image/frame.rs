@@ -1,6 +1,7 @@
 //! A frame of the camera, with all of its pixels or parts of them in memory.
 
-use super::{Image, ImageError, Rect};
+use super::windows::area;
+use super::{Image, ImageError, Rect, Windows};
 
 errors! {
     /// The reason why an image was refused as a part of a frame.
@@ -9,19 +10,20 @@ errors! {
         OutsideFrame => "the image reaches beyond the right or lower edge of the frame",
     }
 
-    /// The reason why the pixels of a window were refused.
+    /// The reason why the pixels of windows were refused.
     WindowError {
-        /// The window is empty, or there are fewer pixels than it has.
+        /// A window is empty, or there are fewer pixels than the windows have.
         Image(error: ImageError) => "{error}",
-        /// The window reaches outside the frame.
+        /// A window reaches outside the frame.
         Frame(error: FrameError) => "{error}",
     }
 }
 
 /// A camera frame: its size, and one or two images, which hold all of its pixels or only parts of the frame.
 ///
-/// [`Frame::whole`] is for whole frames, [`Frame::of_window`] and [`Frame::and_window`] for the windows of the tracker,
-/// [`Frame::part`] and [`Frame::and_part`] for rows with gaps. Coordinates are always those of the whole frame.
+/// [`Frame::whole`] is for whole frames, [`Frame::of_windows`] for the windows of the tracker in one buffer,
+/// [`Frame::part`] and [`Frame::and_part`] for rows with gaps and for windows in separate buffers. Coordinates are always
+/// those of the whole frame.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Rect};
@@ -95,22 +97,44 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// A `width` x `height` frame of which only the `pixels` of `window` are in memory, row by row without gaps.
+    /// A `width` x `height` frame of which only the pixels in `windows` are in memory: [`Windows`], or one [`Rect`].
+    /// `pixels` has the gray pixels of the first window, then those of the next, each row by row without gaps; bytes
+    /// after them are ignored. Copies nothing.
+    ///
+    /// ```
+    /// use smr_core::{Frame, Image, Rect, Robust, Tracker, Windows};
+    /// # let sensor: Vec<u8> = (0..160 * 120).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    /// # let read_out = |windows: Windows| -> Vec<u8> {
+    /// #     let row = |window: Rect, y| &sensor[(y * 160 + window.x) as usize..][..window.width.into()];
+    /// #     windows.iter().flat_map(|window| (window.y..window.bottom()).flat_map(move |y| row(window, y))).copied().collect()
+    /// # };
+    /// let (size, target) = ((160, 120), Rect::new(60, 50, 24, 24));
+    /// let mut tracker = Tracker::<Robust>::new();
+    /// let window = tracker.lock_window(Rect::new(0, 0, 160, 120), target);
+    /// let pixels = read_out(window.into()); // your sensor sends only these pixels
+    /// tracker.lock(&Frame::of_windows(&pixels, window, size)?, target)?;
+    /// // For each frame:
+    /// if let Some(windows) = tracker.windows() {
+    ///     let pixels = read_out(windows);
+    ///     let answer = tracker.update(&Frame::of_windows(&pixels, windows, size)?)?;
+    ///     assert_eq!(answer.bbox, target);
+    /// }
+    /// # Ok::<(), smr_core::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`WindowError`].
-    pub fn of_window(pixels: &'a [u8], window: Rect, (width, height): (u16, u16)) -> Result<Self, WindowError> {
-        let (image, x, y) = placed(pixels, window)?;
-        Self::part(image, x, y, width, height).map_err(WindowError::Frame)
-    }
-
-    /// Adds the `pixels` of a second `window`, which [`Tracker::sweep_window`](crate::Tracker::sweep_window) returned.
-    ///
-    /// # Errors
-    /// As [`Frame::of_window`].
-    pub fn and_window(self, pixels: &'a [u8], window: Rect) -> Result<Self, WindowError> {
-        let (image, x, y) = placed(pixels, window)?;
-        self.and_part(image, x, y).map_err(WindowError::Frame)
+    pub fn of_windows(
+        pixels: &'a [u8],
+        windows: impl Into<Windows>,
+        (width, height): (u16, u16),
+    ) -> Result<Self, WindowError> {
+        let (first, second) = windows.into().split();
+        let (image, x, y) = placed(pixels, first)?;
+        let frame = Self::part(image, x, y, width, height).map_err(WindowError::Frame)?;
+        let Some(second) = second else { return Ok(frame) };
+        let (image, x, y) = placed(pixels.get(area(first)..).unwrap_or_default(), second)?;
+        frame.and_part(image, x, y).map_err(WindowError::Frame)
     }
 
     /// The rectangle of the frame, at (0, 0).

@@ -9,7 +9,9 @@ mod rect;
 #[cfg(test)]
 mod tests;
 mod view;
+mod windows;
 
 pub use frame::{Frame, FrameError, WindowError};
 pub use rect::{FineRect, Rect};
 pub use view::{Image, ImageError};
+pub use windows::Windows;

@@ -1,6 +1,6 @@
 //! Converts a camera's lines, as they arrive, from its pixel format into the gray windows that a tracker reads.
 //!
-//! A camera sends one line at a time, often in color. No gray copy of the whole frame is needed: [`Tracker::window`]
+//! A camera sends one line at a time, often in color. No gray copy of the whole frame is needed: [`Tracker::windows`]
 //! returns the pixels that the next update reads, and a [`Readout`] keeps only those. The caller owns the pixel buffer,
 //! so an interrupt and the main loop can share readout and buffer in a `static`:
 //!
@@ -26,12 +26,9 @@
 //! let target = Rect::new(100, 80, 40, 48);
 //! for number in 0..3 {
 //!     // Converts and keeps only the pixels that the call reads.
-//!     let window = tracker.window().unwrap_or_else(|| tracker.lock_window(Rect::new(0, 0, SIZE.0, SIZE.1), target));
-//!     let mut readout = Readout::new(Format::Yuyv, SIZE, window)?;
-//!     if let Some(second) = tracker.sweep_window() {
-//!         readout = readout.and_window(second)?; // there the robust tracker searches for a lost target
-//!     }
-//!     *COMING.lock().unwrap() = Some(readout);
+//!     let to_lock = tracker.lock_window(Rect::new(0, 0, SIZE.0, SIZE.1), target);
+//!     let windows = tracker.windows().unwrap_or(to_lock.into());
+//!     *COMING.lock().unwrap() = Some(Readout::new(Format::Yuyv, SIZE, windows)?);
 //!     wait_for_lines(); // until Readout::is_complete
 //!     let pixels = PIXELS.lock().unwrap(); // in firmware: taken from the interrupt, as `examples/async` does
 //!     let frame = COMING.lock().unwrap().take().expect("begun above").frame(&*pixels)?;
@@ -56,16 +53,17 @@
 //! | M4 | 6.7 | 5.0 | 19.3 | 20.5 | 15.6 | 4.9 |
 //! | M0+ | 9.3 | 5.8 | 36.0 | 36.5 | 40.1 | 7.3 |
 //!
-//! [`Tracker::window`]: crate::Tracker::window
+//! [`Tracker::windows`]: crate::Tracker::windows
 
 pub use super::pixel_formats::Format;
-use super::{Frame, Rect};
+use super::windows::area;
+use super::{Frame, Rect, Windows};
 
 errors! {
     /// The reason why a line or a frame was refused.
     ReadoutError {
-        /// The window has no pixels, or is partly outside the gray frame.
-        WindowOutsideFrame => "the window has no pixels, or is not wholly inside the frame",
+        /// A window has no pixels, or is partly outside the gray frame.
+        WindowOutsideFrame => "a window has no pixels, or is not wholly inside the frame",
         /// The buffer has fewer bytes than the windows have pixels.
         BufferTooSmall => "the buffer has fewer bytes than the windows have pixels",
         /// The line arrived twice, or after a later line.
@@ -91,37 +89,32 @@ pub struct Readout {
     format: Format,
     columns: u16,
     lines: u16,
-    first: Rect,
-    second: Option<Rect>,
+    windows: Windows,
     /// The line expected next: all earlier lines have arrived or lie in no window. Public for the C interface.
     #[doc(hidden)]
     pub next: u16,
 }
 
 impl Readout {
-    /// Begins a frame of a sensor of (`columns`, `lines`) pixels, of which only `window` is converted and kept.
+    /// Begins a frame of a sensor of (`columns`, `lines`) pixels, of which only the pixels in `windows` are converted
+    /// and kept: those of [`Tracker::windows`](crate::Tracker::windows), or one [`Rect`].
     ///
     /// # Errors
     /// [`ReadoutError::WindowOutsideFrame`].
-    pub fn new(format: Format, (columns, lines): (u16, u16), window: Rect) -> Result<Self, ReadoutError> {
-        Self { format, columns, lines, first: window, second: None, next: 0 }.inside(window)
-    }
-
-    /// Adds the window of [`Tracker::sweep_window`](crate::Tracker::sweep_window). Call it before the first line.
-    ///
-    /// # Errors
-    /// As [`Readout::new`]; [`ReadoutError::LineOutOfOrder`] after the first line.
-    pub fn and_window(self, window: Rect) -> Result<Self, ReadoutError> {
-        if self.next > 0 {
-            return Err(ReadoutError::LineOutOfOrder(0));
+    pub fn new(
+        format: Format,
+        (columns, lines): (u16, u16),
+        windows: impl Into<Windows>,
+    ) -> Result<Self, ReadoutError> {
+        let readout = Self { format, columns, lines, windows: windows.into(), next: 0 };
+        let (width, height) = readout.gray_size();
+        let (first, second) = readout.windows.split();
+        let is_inside = |window| Rect::new(0, 0, width, height).contains(window);
+        if is_inside(first) && second.is_none_or(is_inside) {
+            Ok(readout)
+        } else {
+            Err(ReadoutError::WindowOutsideFrame)
         }
-        Self { second: Some(window), ..self }.inside(window)
-    }
-
-    fn inside(self, window: Rect) -> Result<Self, ReadoutError> {
-        let (width, height) = self.gray_size();
-        let is_inside = !window.is_empty() && Rect::new(0, 0, width, height).contains(window);
-        if is_inside { Ok(self) } else { Err(ReadoutError::WindowOutsideFrame) }
     }
 
     const fn gray_size(&self) -> (u16, u16) {
@@ -131,7 +124,7 @@ impl Readout {
     /// Size of the buffer for the windows in bytes: one for each gray pixel.
     #[must_use]
     pub fn pixels(&self) -> usize {
-        area(self.first).saturating_add(self.second.map_or(0, area))
+        self.windows.pixels()
     }
 
     /// Converts line `y` of the sensor into the buffer `pixels`, which is used only if the line is in a window. Ignores
@@ -155,9 +148,10 @@ impl Readout {
             Some(needed) if needed < y => return Err(ReadoutError::LineMissing(needed)),
             Some(needed) if needed == y => {
                 let pixels = pixels.get_mut(..self.pixels()).ok_or(ReadoutError::BufferTooSmall)?;
-                let (first, second) = pixels.split_at_mut_checked(area(self.first)).unwrap_or_default();
-                self.format.push(y, bytes, self.first, first);
-                self.second.into_iter().for_each(|window| self.format.push(y, bytes, window, second));
+                let (window, second) = self.windows.split();
+                let (pixels, rest) = pixels.split_at_mut_checked(area(window)).unwrap_or_default();
+                self.format.push(y, bytes, window, pixels);
+                second.into_iter().for_each(|window| self.format.push(y, bytes, window, rest));
             }
             _ => {}
         }
@@ -189,10 +183,8 @@ impl Readout {
     /// [`ReadoutError::LineMissing`] with the first missing line of a window, [`ReadoutError::BufferTooSmall`].
     pub fn frame<'a>(&self, pixels: &'a [u8]) -> Result<Frame<'a>, ReadoutError> {
         self.next_needed().map_or(Ok(()), |line| Err(ReadoutError::LineMissing(line)))?;
-        let too_small = |_| ReadoutError::BufferTooSmall; // the only possible error: the windows are inside the frame
-        let frame = Frame::of_window(pixels, self.first, self.gray_size()).map_err(too_small)?;
-        let Some(window) = self.second else { return Ok(frame) };
-        frame.and_window(pixels.get(area(self.first)..).unwrap_or_default(), window).map_err(too_small)
+        // The only possible error, because the windows are inside the frame.
+        Frame::of_windows(pixels, self.windows, self.gray_size()).map_err(|_| ReadoutError::BufferTooSmall)
     }
 
     /// The first line of the windows that has not arrived.
@@ -201,13 +193,9 @@ impl Readout {
             let (start, end) = self.format.lines_of(window);
             (self.next < end).then_some(self.next.max(start))
         };
-        let (first, second) = (of(self.first), self.second.and_then(of));
-        first.into_iter().chain(second).min()
+        let (first, second) = self.windows.split();
+        of(first).into_iter().chain(second.and_then(of)).min()
     }
-}
-
-fn area(window: Rect) -> usize {
-    usize::from(window.width) * usize::from(window.height)
 }
 
 #[cfg(test)]
@@ -252,7 +240,7 @@ mod tests {
                 let (left, top) = (left % size.0, top % size.1);
                 Rect::new(left.into(), top.into(), 1 + width % (size.0 - left), 1 + height % (size.1 - top))
             });
-            let mut readout = Readout::new(format, sensor, windows[0]).unwrap().and_window(windows[1]).unwrap();
+            let mut readout = Readout::new(format, sensor, Windows::new(windows[0], Some(windows[1]))).unwrap();
             let mut pixels = std::vec![0; readout.pixels()];
             if all_lines {
                 readout.push_frame(&bytes, stride, &mut pixels).unwrap();
@@ -300,7 +288,6 @@ mod tests {
             assert_eq!(readout.is_complete(), missing.is_none(), "line {y}");
             assert_eq!(readout.frame(&pixels).err(), missing.map(LineMissing), "line {y}");
         }
-        assert_eq!(readout.and_window(Rect::new(0, 0, 1, 1)).err(), Some(LineOutOfOrder(0)));
         let mut short = self::readout();
         assert_eq!(short.push_frame(&[1; 2 * 8 + 7], 8, &mut pixels), Err(LineTooShort(2)));
         assert_eq!(short.frame(&pixels).err(), Some(LineMissing(2)), "a frame that ends early");
@@ -320,11 +307,12 @@ mod tests {
         ] {
             let window = Rect::new(x, y, width, height);
             assert_eq!(Readout::new(format, (8, 6), window).map(|readout| readout.pixels()), needs, "{window:?}");
-            if format == Format::Gray8 {
-                assert_eq!(readout().and_window(window).err(), needs.err(), "{window:?}");
-            }
+            let both = Windows::new(Rect::new(0, 0, 1, 1), Some(window));
+            let of_both = Readout::new(format, (8, 6), both).map(|readout| readout.pixels());
+            assert_eq!(of_both, needs.map(|pixels| pixels + 1), "{window:?}");
         }
-        let mut both = readout().and_window(Rect::new(0, 3, 2, 1)).unwrap();
+        let windows = Windows::new(Rect::new(2, 1, 4, 3), Some(Rect::new(0, 3, 2, 1)));
+        let mut both = Readout::new(Format::Gray8, (8, 6), windows).unwrap();
         assert_eq!(both.pixels(), 14);
         assert_eq!(both.push_line(1, &[7; 8], &mut [0; 13]), Err(ReadoutError::BufferTooSmall));
         assert_eq!(both.push_frame(&[7; 48], 8, &mut [0; 14]), Ok(()));

@@ -1,6 +1,6 @@
 //! Tests rectangles against sets of pixels, and images at the limits of their sizes.
 
-use super::{Frame, FrameError, Image, ImageError, Rect};
+use super::{Frame, FrameError, Image, ImageError, Rect, WindowError, Windows};
 use proptest::prelude::*;
 use std::{vec, vec::Vec};
 
@@ -43,6 +43,38 @@ fn a_patch_comes_from_the_part_that_has_all_of_it() {
         [Some(1), Some(1), Some(2), Some(2), None, None]
     );
     assert_eq!(frame.and_part(image(&low), 17, 0).unwrap_err(), FrameError::OutsideFrame);
+}
+
+#[test]
+fn windows_follow_each_other_in_the_buffer() {
+    let pixels: Vec<u8> = (0..21).collect();
+    let (first, second) = (Rect::new(2, 1, 4, 3), Rect::new(0, 5, 4, 2));
+    let windows = Windows::new(first, Some(second));
+    assert_eq!((windows.pixels(), windows.iter().collect::<Vec<_>>()), (20, vec![first, second]));
+    let frame = Frame::of_windows(&pixels, windows, (8, 7)).unwrap();
+    let corners = |frame: &Frame<'_>, window| frame.patch(window).map(|patch| (patch.row(0)[0], patch.row(1)[3]));
+    assert_eq!((corners(&frame, first), corners(&frame, second)), (Some((0, 7)), Some((12, 19))));
+    assert!(!frame.covers(Rect::new(1, 1, 4, 3)) && frame.bounds() == Rect::new(0, 0, 8, 7));
+    let frame = Frame::of_windows(&pixels, second, (8, 7)).unwrap();
+    assert_eq!((corners(&frame, first), corners(&frame, second)), (None, Some((0, 7))));
+    let (outside, empty) = (WindowError::Frame(FrameError::OutsideFrame), WindowError::Image(ImageError::Empty));
+    let short = WindowError::Image(ImageError::SliceTooShort);
+    for (count, size, first, second, error) in [
+        (19, (8, 7), first, second, short),
+        (11, (8, 7), first, second, short),
+        (20, (8, 6), first, second, outside),
+        (20, (5, 7), first, second, outside),
+        (20, (8, 7), Rect::new(-1, 1, 4, 3), second, outside),
+        (20, (8, 7), first, Rect::new(0, i32::MIN, 4, 2), outside),
+        (20, (8, 7), Rect::default(), second, empty),
+        (20, (8, 7), first, Rect::new(3, 3, 0, 9), empty),
+    ] {
+        let refused = Frame::of_windows(&pixels[..count], Windows::new(first, Some(second)), size);
+        assert_eq!(refused.err(), Some(error), "{count} {size:?} {first:?} {second:?}");
+    }
+    let largest = Rect::new(0, 0, u16::MAX, u16::MAX);
+    assert!(Windows::new(largest, Some(largest)).pixels() >= 65_535 * 65_535);
+    assert_eq!(Windows::from(first), Windows::new(first, None));
 }
 
 fn any_rect() -> impl Strategy<Value = Rect> {

@@ -35,7 +35,7 @@
 //! |---|---|
 //! | begin | 584 ([`Paper`](crate::Paper)) or 556 ([`Robust`](crate::Robust); with the refiner 558) |
 //! | lock | 36 + pixels of [`Target::lock_window`] |
-//! | frame | 84 + pixels of [`Target::window`] and of [`Target::sweep_window`] |
+//! | frame | 84 + pixels of [`Target::windows`] |
 //!
 //! The answer depends on these pixels. The window of [`Paper`](crate::Paper) is the box enlarged by the radius on each
 //! side: a frame takes 9300 bytes for a box of 64x64 with a window of +-16. The window of [`Robust`](crate::Robust) is
@@ -92,7 +92,7 @@ use super::checksum::Crc;
 use super::settings::{Numbers, recorded};
 use super::update::SEAL;
 use super::{Answer, Settings, Target};
-use crate::image::{Frame, Image, Rect};
+use crate::image::{Frame, Image, Rect, Windows};
 
 /// The version of the format.
 pub const VERSION: u16 = 2;
@@ -244,16 +244,18 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         if target.check(frame, SEAL).is_err() {
             return Ok(());
         }
-        self.window_of(frame, target.window().unwrap_or_default(), target.sweep_window().unwrap_or_default())
+        target.windows().map_or(Ok(()), |windows| self.window_of(frame, windows))
     }
 
-    /// Writes the entry of [`Recorder::window`] with `Target::window` and `Target::sweep_window`; for the C interface.
+    /// Writes the entry of [`Recorder::window`] with `Target::windows`; for the C interface.
     ///
     /// # Errors
     /// The writer's.
     #[doc(hidden)]
     #[inline(never)] // one copy for both trackers
-    pub fn window_of(&mut self, frame: &Frame<'_>, window: Rect, sweep: Rect) -> Result<(), E> {
+    pub fn window_of(&mut self, frame: &Frame<'_>, windows: Windows) -> Result<(), E> {
+        let (window, sweep) = windows.split();
+        let sweep = sweep.unwrap_or_default();
         self.entry(Tag::Window, 20 + u64::from(window.area()) + u64::from(sweep.area()), |entry| {
             entry.size(frame);
             entry.rect(window);

@@ -2,7 +2,7 @@
 
 use super::update::{SEAL, Steps};
 use super::{Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, UpdateError};
-use crate::image::{FineRect, Frame, Rect};
+use crate::image::{FineRect, Frame, Rect, Windows};
 
 /// A target as a tracker remembers it: configuration, templates and track. Plain data.
 ///
@@ -125,11 +125,19 @@ pub trait Target: Steps {
         super::update::lock_step(self, workspace, frame, bbox, work)
     }
 
-    /// The part of the frame that the next update may read; `None` before the first lock, never empty. Firmware may
-    /// read out only these pixels and those of [`Target::sweep_window`]: see [`Frame::part`].
+    /// The windows of the frame that the next update may read: [`Target::window`] and [`Target::sweep_window`]. `None`
+    /// before the first lock. Firmware may read out only these pixels: see [`Frame::of_windows`] and
+    /// [`Readout`](crate::readout::Readout).
+    fn windows(&self) -> Option<Windows> {
+        Some(Windows::new(self.window()?, self.sweep_window()))
+    }
+
+    /// The first of [`Target::windows`]: the surroundings of the place where the target is expected. Inside the frame
+    /// and never empty; `None` before the first lock.
     fn window(&self) -> Option<Rect>;
 
-    /// A second window that the next update may read for a lost target. `None` in most frames, and always for `Paper`.
+    /// The second of [`Target::windows`]: a part of the frame in which a lost target is searched. Inside the frame and
+    /// never empty; `None` in most frames, and always for `Paper`.
     fn sweep_window(&self) -> Option<Rect>;
 
     /// The box of the last answer, in units of 1/256 pixel; `None` before the first lock.
@@ -176,7 +184,7 @@ pub trait Target: Steps {
 
     /// Finds the target in the next frame.
     ///
-    /// Reads only the pixels in [`Target::window`] and [`Target::sweep_window`]. Cost: [`Paper`](crate::Paper) takes up
+    /// Reads only the pixels in [`Target::windows`]. Cost: [`Paper`](crate::Paper) takes up
     /// to [`Target::most_work`] if nothing matches, and far less if the target is clearly visible.
     /// [`Robust`](crate::Robust) takes at most 726 products for each of at most 2000 weights.
     ///

@@ -2,20 +2,21 @@
 
 use super::update;
 use super::{Answer, ConfigError, LockError, Quality, RestoreError, SaveError, State, Target, UpdateError};
-use crate::image::{FineRect, Frame, Rect};
+use crate::image::{FineRect, Frame, Rect, Windows};
 use core::fmt;
 
 /// Follows one target: a [`Target`] and its workspace. Holds all memory; there is no heap.
 ///
 /// `Tracker<Paper<PIXELS, SPAN>>` is the paper tracker, `Tracker<Robust>` the robust one. All calls are the same. The
-/// [crate's example](crate) uses whole frames. This one reads out only the window that the tracker needs:
+/// [crate's example](crate) uses whole frames. This one reads out only the windows that the tracker needs:
 ///
 /// ```
 /// use smr_core::paper::{Config, Radius};
-/// use smr_core::{Frame, Paper, Rect, Tracker};
-/// # fn read_out(window: Rect) -> Vec<u8> {
+/// use smr_core::{Frame, Paper, Rect, Tracker, Windows};
+/// # fn read_out(windows: Windows) -> Vec<u8> {
 /// #     let pixel = |x: i32, y: i32| ((x * x + 3 * y * y) % 251) as u8;
-/// #     (window.y..window.bottom()).flat_map(|y| (window.x..window.right()).map(move |x| pixel(x, y))).collect()
+/// #     let row = |window: Rect, y| (window.x..window.right()).map(move |x| pixel(x, y));
+/// #     windows.iter().flat_map(|window| (window.y..window.bottom()).flat_map(move |y| row(window, y))).collect()
 /// # }
 /// # fn main() -> Result<(), smr_core::Error> {
 /// let mut config = Config::camera();
@@ -26,14 +27,14 @@ use core::fmt;
 /// // A box of 8x8 pixels on a sensor of 320x240.
 /// let (sensor, target) = (Rect::new(0, 0, 320, 240), Rect::new(100, 50, 8, 8));
 /// assert_eq!(tracker.lock_window(sensor, target), target);
-/// let pixels = read_out(target);
-/// tracker.lock(&Frame::of_window(&pixels, target, (320, 240))?, target)?;
+/// let pixels = read_out(target.into());
+/// tracker.lock(&Frame::of_windows(&pixels, target, (320, 240))?, target)?;
 ///
 /// // The next update reads the box and 8 pixels around it.
-/// let window = tracker.window().unwrap();
-/// assert_eq!((window, tracker.sweep_window()), (Rect::new(92, 42, 24, 24), None));
-/// let pixels = read_out(window);
-/// let answer = tracker.update(&Frame::of_window(&pixels, window, (320, 240))?)?;
+/// let windows = tracker.windows().unwrap();
+/// assert_eq!(windows, Rect::new(92, 42, 24, 24).into());
+/// let pixels = read_out(windows);
+/// let answer = tracker.update(&Frame::of_windows(&pixels, windows, (320, 240))?)?;
 /// assert_eq!(answer.bbox, target);
 /// # Ok(())
 /// # }
@@ -123,7 +124,7 @@ impl<T: Target> Tracker<T> {
         update::lock_step(&mut self.target, &mut self.workspace, frame, bbox, work)
     }
 
-    of_the_target! { window: Rect, sweep_window: Rect, bbox: FineRect, state: State, quality: Quality }
+    of_the_target! { windows: Windows, window: Rect, sweep_window: Rect, bbox: FineRect, state: State, quality: Quality }
 
     /// See [`Target::moved`].
     pub fn moved(&mut self, right: i32, down: i32) {

@@ -2,7 +2,7 @@
 //! chips' firmware includes this file.
 
 use crate::scene;
-use smr_core::{Frame, Paper, Rect, Robust, Target, paper, robust};
+use smr_core::{Frame, Paper, Rect, Robust, Target, Windows, paper, robust};
 
 /// Size in bytes of the buffer that holds the search window and the sweep window (where a lost target is searched for).
 const PIXELS: usize = 56 * 1024;
@@ -40,15 +40,15 @@ fn measure<T: Target>(
     let Ok(target) = &mut made else { return Err("a configuration cannot be used") };
     let start = Rect::new(scene::START.0.into(), scene::START.1.into(), scene::SIDE, scene::SIDE);
     let bounds = Rect::new(0, 0, scene::WIDTH, scene::HEIGHT);
-    let first = draw(0, target.lock_window(bounds, start), None, &mut pixels)?;
+    let first = draw(0, target.lock_window(bounds, start).into(), &mut pixels)?;
     let begin = clock();
     let locked = target.lock(&mut workspace, &first, start);
     let lock = clock().wrapping_sub(begin);
     locked.map_err(|_| "a tracker does not lock")?;
     let mut counts = [0; UPDATES];
     for (number, count) in (1..).zip(&mut counts) {
-        let window = target.window().ok_or("a target is not locked")?;
-        let frame = draw(number, window, target.sweep_window(), &mut pixels)?;
+        let windows = target.windows().ok_or("a target is not locked")?;
+        let frame = draw(number, windows, &mut pixels)?;
         let begin = clock();
         let answer = target.update(&mut workspace, &frame);
         *count = clock().wrapping_sub(begin);
@@ -58,15 +58,15 @@ fn measure<T: Target>(
     Ok(Cycles { tracker, lock, median: counts[UPDATES / 2], most: counts[UPDATES - 1] })
 }
 
-/// A frame of which only the pixels in `window` and `sweep` are in memory.
-fn draw(number: u16, window: Rect, sweep: Option<Rect>, pixels: &mut [u8; PIXELS]) -> Result<Frame<'_>, &'static str> {
-    let (first, rest) = pixels.split_at_mut_checked(area(window)).ok_or(TOO_LARGE)?;
-    paint(number, window, first);
-    let frame = Frame::of_window(first, window, (scene::WIDTH, scene::HEIGHT)).map_err(|_| OUTSIDE)?;
-    let Some(sweep) = sweep else { return Ok(frame) };
-    let second = rest.get_mut(..area(sweep)).ok_or(TOO_LARGE)?;
-    paint(number, sweep, second);
-    frame.and_window(second, sweep).map_err(|_| OUTSIDE)
+/// A frame of which only the pixels in `windows` are in memory.
+fn draw(number: u16, windows: Windows, pixels: &mut [u8; PIXELS]) -> Result<Frame<'_>, &'static str> {
+    let mut rest = &mut pixels[..];
+    for window in windows {
+        let (part, others) = rest.split_at_mut_checked(area(window)).ok_or(TOO_LARGE)?;
+        paint(number, window, part);
+        rest = others;
+    }
+    Frame::of_windows(pixels, windows, (scene::WIDTH, scene::HEIGHT)).map_err(|_| OUTSIDE)
 }
 
 fn paint(number: u16, window: Rect, pixels: &mut [u8]) {

@@ -74,11 +74,31 @@ mod lost {
     }
 }
 
+mod lines {
+    use super::pictures;
+    use smr_core::Robust;
+
+    include!(concat!(env!("OUT_DIR"), "/core-3.rs"));
+
+    #[test]
+    fn the_lines_of_a_camera_are_enough() {
+        let pictures = pictures(3);
+        // YUYV: each second byte is gray.
+        let cameras = pictures.iter().map(|gray| gray.iter().flat_map(|&gray| [gray, 128]).collect::<Vec<u8>>());
+        let (mut tracker, mut pixels) = (Box::new(Tracker::<Robust>::new()), vec![0; 320 * 240]);
+        let target = Rect::new(150, 100, 40, 48);
+        let answers = cameras.map(|bytes| {
+            follow(&mut tracker, target, (0..).zip(bytes.chunks(640)), &mut pixels).unwrap().map(|answer| answer.bbox.x)
+        });
+        assert_eq!(answers.collect::<Vec<_>>(), [None, Some(152), Some(154)]);
+    }
+}
+
 mod turns {
     use super::pictures;
     use smr_core::{Image, LockError, Paper};
 
-    include!(concat!(env!("OUT_DIR"), "/core-3.rs"));
+    include!(concat!(env!("OUT_DIR"), "/core-4.rs"));
 
     #[test]
     fn each_target_gets_its_turn() {
@@ -108,7 +128,7 @@ mod recorder {
     use std::convert::Infallible;
     use std::io::Cursor;
 
-    include!(concat!(env!("OUT_DIR"), "/core-4.rs"));
+    include!(concat!(env!("OUT_DIR"), "/core-5.rs"));
 
     #[test]
     fn the_record_holds_the_answer() {
@@ -136,7 +156,7 @@ mod several {
     use super::pictures;
     use smr_core::Image;
 
-    include!(concat!(env!("OUT_DIR"), "/core-5.rs"));
+    include!(concat!(env!("OUT_DIR"), "/core-6.rs"));
 
     #[test]
     fn both_are_locked() {
@@ -211,7 +231,7 @@ mod head {
             if frames <= 3 { whole() } else { Frame::whole(Image::new(&picture, 120, 160).unwrap()) }
         };
         let seconds_since_last_frame = || 1.0 / 30.0;
-        let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-6.rs")) };
+        let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-7.rs")) };
         let ended = endless().unwrap_err().to_string();
         assert!(ended.contains("size"), "{ended}");
         // `pan` and `tilt` are duty cycles: a pulse of 1500 in 20,000 microseconds would point straight ahead.

@@ -165,24 +165,24 @@ fn hostile_records_take_linear_work() {
 #[test]
 fn an_entry_beyond_four_gibibytes_ends_the_record() {
     let pixels = [7; 4];
-    let frame = Frame::of_window(&pixels, Rect::new(0, 0, 2, 2), (u16::MAX, u16::MAX)).unwrap();
+    let frame = Frame::of_windows(&pixels, Rect::new(0, 0, 2, 2), (u16::MAX, u16::MAX)).unwrap();
     let largest = Rect::new(0, 0, u16::MAX, u16::MAX);
     // Only the parts in memory are written, so a large entry costs nothing here. 65,535^2 + 2 * 65,525 + 20 = 2^32 - 1.
     for (sweep, whole) in [
-        (Rect::default(), true),
-        (Rect::new(0, 0, 65_525, 2), true),
-        (Rect::new(0, 0, 65_526, 2), false),
-        (largest, false),
+        (None, true),
+        (Some(Rect::new(0, 0, 65_525, 2)), true),
+        (Some(Rect::new(0, 0, 65_526, 2)), false),
+        (Some(largest), false),
     ] {
         let mut bytes = vec![];
         let mut recorder = Recorder::resume(3, |chunk: &[u8]| {
             bytes.extend(chunk);
             Ok::<(), ()>(())
         });
-        assert_eq!(recorder.window_of(&frame, largest, sweep), Ok(()));
+        assert_eq!(recorder.window_of(&frame, Windows::new(largest, sweep)), Ok(()));
         assert_eq!((recorder.is_whole(), recorder.entries()), (whole, 3 + u32::from(whole)));
         assert_eq!(recorder.moved(1, 2), Ok(()));
-        let length = 20 + u64::from(largest.area()) + u64::from(sweep.area());
+        let length = 20 + u64::from(largest.area()) + sweep.map_or(0, |sweep| u64::from(sweep.area()));
         assert_eq!(
             bytes.get(8..HEAD).is_some_and(|said| u64::from(u32::from_le_bytes(said.try_into().unwrap())) == length),
             whole

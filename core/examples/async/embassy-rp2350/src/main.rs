@@ -91,17 +91,11 @@ async fn main(_spawner: Spawner) {
     let pixels = GRAY.take();
     loop {
         let is_lock = button.is_low();
-        let window = match target.window() {
-            Some(window) if !is_lock => window,
-            _ => target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START),
+        let windows = match target.windows() {
+            Some(windows) if !is_lock => windows,
+            _ => target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START).into(),
         };
-        let sweep = target.sweep_window().filter(|_| !is_lock);
-        let readout = Readout::new(FORMAT, (WIDTH, HEIGHT), window);
-        let readout = match sweep {
-            Some(window) => readout.and_then(|readout| readout.and_window(window)),
-            None => readout,
-        };
-        let Ok(mut readout) = readout else { continue };
+        let Ok(mut readout) = Readout::new(FORMAT, (WIDTH, HEIGHT), windows) else { continue };
         camera.read(&mut readout, &mut pixels[..]).await;
         let Ok(frame) = readout.frame(&pixels[..]) else { continue };
         if is_lock {
