@@ -64,7 +64,7 @@ mod firmware {
                 State::Leaving => info!("leaving at ({=i32}, {=i32})", x, y),
                 // The box is the last accepted one. Keep updating, to find the target again. (`Paper` is never
                 // uncertain.)
-                State::Uncertain | State::Lost => info!("lost, last seen at ({=i32}, {=i32})", x, y),
+                _ => info!("lost, last seen at ({=i32}, {=i32})", x, y),
             }
         }
         Ok(())

@@ -74,6 +74,8 @@
 //! - `pursuit`: the module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
 #![no_std]
+// docs.rs shows which feature an item needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(missing_docs, missing_debug_implementations)]
 #![cfg_attr(test, allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss))]
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -115,7 +117,6 @@ struct Readme;
 pub use error::Error;
 pub use image::readout;
 pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect, WindowError, Windows};
-#[doc(hidden)]
 pub use track::calls;
 pub use track::paper;
 pub use track::paper::target::Paper;

@@ -136,29 +136,14 @@ impl<T: Target> Loop<T> {
         let picture = picture(HOME, HOME, None);
         let [x, y] = [WIDTH, HEIGHT].map(|side| i32::from((side - TARGET_PIXELS) / 2));
         tracker.lock(&frame(&picture), Rect::new(x, y, TARGET_PIXELS, TARGET_PIXELS)).expect("a good box");
-        let axis = Axis {
-            min_radians: -LIMIT_RADIANS,
-            max_radians: LIMIT_RADIANS,
-            home_radians: 0.0,
-            gain_per_second: 10.0,
-            deadband_radians: 0.004,
-            slew_radians_per_second: 4.0,
-            return_radians_per_second: RETURN_RADIANS_PER_SECOND,
-        };
-        let [pan_servo, tilt_servo] = [(900, 2100), (2100, 900)].map(|(at_min, at_max)| Servo {
-            pulse_at_min_microseconds: at_min,
-            pulse_at_max_microseconds: at_max,
-            period_microseconds: 20_000,
-        });
-        let config = PursuitConfig {
-            camera: Camera::centred(FOCAL_LENGTH_PIXELS as f32, WIDTH, HEIGHT),
-            pan: axis,
-            pan_servo,
-            tilt: axis,
-            tilt_servo,
-            hold_seconds: 1.0,
-            delay_frames: 1,
-        };
+        let mut axis = Axis::new(-LIMIT_RADIANS, LIMIT_RADIANS);
+        axis.deadband_radians = 0.004;
+        axis.slew_radians_per_second = 4.0;
+        axis.return_radians_per_second = RETURN_RADIANS_PER_SECOND;
+        let camera = Camera::centred(FOCAL_LENGTH_PIXELS as f32, WIDTH, HEIGHT);
+        let [pan, tilt] = [(900, 2100), (2100, 900)].map(|(at_min, at_max)| (axis, Servo::new(at_min, at_max)));
+        let mut config = PursuitConfig::new(camera, pan, tilt);
+        config.hold_seconds = 1.0;
         let (servo_pins, lamp) = (<[Pin; 2]>::default(), Pin::default());
         let [pan, tilt] = servo_pins.clone();
         let pursuit = Pursuit::new(config, pan, tilt, lamp.clone()).expect("a good configuration");

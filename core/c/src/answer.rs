@@ -74,25 +74,22 @@ impl From<State> for smr_state {
             State::Tracking => Self::SMR_TRACKING,
             State::Leaving => Self::SMR_LEAVING,
             State::Uncertain => Self::SMR_UNCERTAIN,
-            State::Lost => Self::SMR_LOST,
+            _ => Self::SMR_LOST, // there is no other: the assertion above counts them
         }
     }
 }
 
 impl From<smr_answer> for Answer {
     fn from(answer: smr_answer) -> Self {
-        Self {
-            bbox: answer.bbox.into(),
-            fine: answer.fine.into(),
-            state: State::from_code((answer.state as i32).to_le_bytes()[0]).unwrap_or(State::Lost),
-            confidence: answer.confidence,
-            ratio: answer.ratio,
-            runner_up_ratio: (answer.has_runner_up != 0).then_some(answer.runner_up_ratio),
-            alpha: (answer.alpha != 0).then_some(answer.alpha),
-            identity: (answer.has_identity != 0).then_some(answer.identity),
-            scale: answer.scale,
-            found_again: answer.found_again != 0,
-        }
+        let state = State::from_code((answer.state as i32).to_le_bytes()[0]).unwrap_or(State::Lost);
+        let mut of_core = Self::new(answer.fine.into(), state);
+        of_core.bbox = answer.bbox.into();
+        (of_core.confidence, of_core.ratio) = (answer.confidence, answer.ratio);
+        of_core.runner_up_ratio = (answer.has_runner_up != 0).then_some(answer.runner_up_ratio);
+        of_core.alpha = (answer.alpha != 0).then_some(answer.alpha);
+        of_core.identity = (answer.has_identity != 0).then_some(answer.identity);
+        (of_core.scale, of_core.found_again) = (answer.scale, answer.found_again != 0);
+        of_core
     }
 }
 

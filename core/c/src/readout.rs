@@ -114,12 +114,11 @@ impl smr_readout {
         let ([first, second], format) = (self.windows.map(Rect::from), self.format()?);
         pointer::check_bytes(self.pixels, self.size, &[0..0, 0..0])?;
         let windows = Windows::new(first, Some(second).filter(|second| !second.is_empty()));
-        let mut readout = Readout::new(format, (self.columns, self.lines), windows)?;
+        let readout = Readout::new(format, (self.columns, self.lines), windows)?;
         if self.size < readout.pixels() {
             return Err(SMR_ERROR_BUFFER_TOO_SMALL);
         }
-        readout.next = self.next;
-        Ok(readout)
+        Ok(readout.resumed(self.next))
     }
 
     /// The windows as parts of a frame, one after the other in `pixels`. `core_readout` has checked them.
@@ -237,7 +236,7 @@ unsafe fn convert(
         push(&mut readout, bytes, pixels)
     };
     // SAFETY: `read` has checked that `to` is neither NULL nor misaligned, and only this call writes the readout.
-    unsafe { smr_readout::store_progress(to, readout.next, result) }
+    unsafe { smr_readout::store_progress(to, readout.next_line(), result) }
 }
 
 /// Fills a frame for #smr_lock and #smr_update once all window lines have come. About interrupts see #smr_readout.

@@ -99,13 +99,17 @@ impl Tracked for smr_recorder {
         let own = self.own();
         let (Some(write), 0) = (self.write, self.failed) else { return };
         let context = self.context;
-        let write = |bytes: &[u8]| {
+        let write = move |bytes: &[u8]| {
             // SAFETY: by the header, `write` is a function that takes `context`, an address and a number of bytes.
             if unsafe { write(context, bytes.as_ptr(), bytes.len()) } == 0 { Ok(()) } else { Err(()) }
         };
         let mut to = Recorder::resume(self.entries, write);
         let _: Result<(), ()> = match *event {
-            Event::Begin => each!(own.known(), target => to.beginning(target)),
+            Event::Begin => {
+                let begun = each!(own.known(), target => Recorder::begin(target, write));
+                (self.failed, self.entries) = (begun.is_err().into(), 1);
+                return;
+            }
             Event::Lock(frame, bbox) => to.lock_of(frame, bbox, own.lock_window(frame.bounds(), bbox)),
             Event::Window(frame) => own.windows().map_or(Ok(()), |windows| to.window_of(frame, windows)),
             Event::Answer(answer) => to.answer(&answer.read().into()),

@@ -90,9 +90,8 @@ pub struct Readout {
     columns: u16,
     lines: u16,
     windows: Windows,
-    /// The line expected next: all earlier lines have arrived or lie in no window. Public for the C interface.
-    #[doc(hidden)]
-    pub next: u16,
+    /// The line expected next: all earlier lines have arrived or lie in no window.
+    next: u16,
 }
 
 impl Readout {
@@ -119,6 +118,20 @@ impl Readout {
 
     const fn gray_size(&self) -> (u16, u16) {
         self.format.gray_size((self.columns, self.lines))
+    }
+
+    /// This readout with the lines before `line` behind it: continues one whose [`next_line`](Self::next_line) was
+    /// `line`, with the same windows and buffer. For programs that store the state of a readout themselves, as the
+    /// interface for C does.
+    #[must_use]
+    pub const fn resumed(self, line: u16) -> Self {
+        Self { next: line, ..self }
+    }
+
+    /// The line expected next: all earlier ones have arrived, or lie in no window.
+    #[must_use]
+    pub const fn next_line(&self) -> u16 {
+        self.next
     }
 
     /// Size of the buffer for the windows in bytes: one for each gray pixel.
@@ -202,6 +215,7 @@ impl Readout {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::vec::Vec;
 
     /// The expected gray level at (x, y), by the formulas in the documentation of [`Format`].
     fn gray(format: Format, bytes: &[u8], stride: usize, x: usize, y: usize) -> u8 {
@@ -291,6 +305,22 @@ mod tests {
         let mut short = self::readout();
         assert_eq!(short.push_frame(&[1; 2 * 8 + 7], 8, &mut pixels), Err(LineTooShort(2)));
         assert_eq!(short.frame(&pixels).err(), Some(LineMissing(2)), "a frame that ends early");
+    }
+
+    #[test]
+    fn a_readout_goes_on_where_another_one_was() {
+        let line: Vec<u8> = (0..8).collect();
+        let (mut whole, mut pixels, mut stored) = (readout(), [0; 12], 0);
+        let mut resumed_pixels = pixels;
+        for y in 0..5 {
+            whole.push_line(y, &line, &mut pixels).unwrap();
+            let mut resumed = readout().resumed(stored);
+            resumed.push_line(y, &line, &mut resumed_pixels).unwrap();
+            stored = resumed.next_line();
+            assert_eq!((stored, resumed.is_complete()), (y + 1, whole.is_complete()));
+            assert_eq!(resumed.push_line(y, &line, &mut resumed_pixels), Err(ReadoutError::LineOutOfOrder(y)));
+        }
+        assert_eq!(pixels, resumed_pixels);
     }
 
     #[test]

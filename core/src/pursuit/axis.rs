@@ -10,8 +10,11 @@ use embedded_hal::pwm::SetDutyCycle;
 /// is followed at a constant distance of speed / gain.
 ///
 /// With one frame of delay, gain * frame time must stay well below 1, or the head oscillates. Start with 1/3.
+///
+/// A later version may add fields; [`Axis::new`] gives all of them values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Axis {
     /// The smallest angle (leftmost or lowest), at least -2 pi.
     pub min_radians: f32,
@@ -30,6 +33,31 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// An axis that turns from `min_radians` to `max_radians`, with values for a start: home at 0 (or the limit next to
+    /// it), a gain of 10 per second, a deadband of 0.006 radians, a slew rate of 3 and a return at 0.5 radians per
+    /// second. [`Pursuit::new`](super::Pursuit::new) checks the limits.
+    ///
+    /// ```
+    /// use smr_core::pursuit::Axis;
+    /// let mut pan = Axis::new(-1.05, 1.05); // 60 degrees to each side
+    /// pan.gain_per_second = 3.0;
+    /// assert_eq!((pan.home_radians, pan.slew_radians_per_second), (0.0, 3.0));
+    /// assert_eq!(Axis::new(0.2, 1.05).home_radians, 0.2);
+    /// ```
+    #[must_use]
+    pub const fn new(min_radians: f32, max_radians: f32) -> Self {
+        Self {
+            min_radians,
+            max_radians,
+            // Not `clamp`: that can panic.
+            home_radians: 0.0_f32.max(min_radians).min(max_radians),
+            gain_per_second: 10.0,
+            deadband_radians: 0.006,
+            slew_radians_per_second: 3.0,
+            return_radians_per_second: 0.5,
+        }
+    }
+
     /// The next angle after `from_radians`, with the target at `error_radians` from the optical axis.
     pub(super) fn toward(&self, from_radians: f32, error_radians: f32, elapsed_seconds: f32) -> f32 {
         if error_radians.abs() <= self.deadband_radians {
@@ -74,8 +102,11 @@ fn clamp_abs(value: f32, bound: f32) -> f32 {
 /// mounted reversed, the pulse at the minimum of the axis is the longer one. The resolution is that of the pin's timer:
 /// at a period of 20,000 microseconds, a 16-bit duty resolves 0.3 microseconds, and an 8-bit duty 78 microseconds (7
 /// degrees, if 1000 microseconds turn the servo by 90 degrees).
+///
+/// A later version may add fields; [`Servo::new`] gives all of them values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Servo {
     /// The pulse for `min_radians` of the axis.
     pub pulse_at_min_microseconds: u16,
@@ -86,6 +117,17 @@ pub struct Servo {
 }
 
 impl Servo {
+    /// A servo with these pulses at the limits of its axis, in microseconds, and a period of 20,000 microseconds.
+    ///
+    /// ```
+    /// let servo = smr_core::pursuit::Servo::new(900, 2100);
+    /// assert_eq!(servo.period_microseconds, 20_000);
+    /// ```
+    #[must_use]
+    pub const fn new(pulse_at_min_microseconds: u16, pulse_at_max_microseconds: u16) -> Self {
+        Self { pulse_at_min_microseconds, pulse_at_max_microseconds, period_microseconds: 20_000 }
+    }
+
     pub(super) fn duty(&self, axis: &Axis, radians: f32, max_duty: u16) -> u16 {
         let along = (radians - axis.min_radians) / (axis.max_radians - axis.min_radians);
         let [at_min, at_max, period, max_duty] =

@@ -13,8 +13,11 @@ use embedded_hal::pwm::{self, SetDutyCycle};
 const TURNS: usize = 4;
 
 /// The configuration of a [`Pursuit`]. The [module](super) has an example.
+///
+/// A later version may add fields; [`PursuitConfig::new`] gives all of them values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct PursuitConfig {
     /// The camera model, which converts boxes to angles.
     pub camera: Camera,
@@ -34,6 +37,13 @@ pub struct PursuitConfig {
 }
 
 impl PursuitConfig {
+    /// A head of two axes, each with its servo, that holds still for 2 seconds after the target is lost. A command takes
+    /// effect one frame late. [`Pursuit::new`] checks all values.
+    #[must_use]
+    pub const fn new(camera: Camera, (pan, pan_servo): (Axis, Servo), (tilt, tilt_servo): (Axis, Servo)) -> Self {
+        Self { camera, pan, pan_servo, tilt, tilt_servo, hold_seconds: 2.0, delay_frames: 1 }
+    }
+
     fn check(&self) -> Result<(), PursuitConfigError> {
         self.camera.check()?;
         self.pan.check()?;

@@ -15,26 +15,10 @@
 //! # let (mut pan_mock, mut tilt_mock, mut led_mock) = (pan_pin.clone(), tilt_pin.clone(), led_pin.clone());
 //!
 //! // Two servos that turn 60 degrees to each side, and a camera of 64x48 pixels.
-//! let axis = Axis {
-//!     min_radians: -1.05,
-//!     max_radians: 1.05,
-//!     home_radians: 0.0,
-//!     gain_per_second: 10.0,
-//!     deadband_radians: 0.01,
-//!     slew_radians_per_second: 3.0,
-//!     return_radians_per_second: 0.5,
-//! };
-//! let servo =
-//!     Servo { pulse_at_min_microseconds: 1000, pulse_at_max_microseconds: 2000, period_microseconds: 20_000 };
-//! let config = PursuitConfig {
-//!     camera: Camera::centred(64.0, 64, 48),
-//!     pan: axis,
-//!     pan_servo: servo,
-//!     tilt: axis,
-//!     tilt_servo: servo,
-//!     hold_seconds: 2.0,
-//!     delay_frames: 1,
-//! };
+//! let mut axis = Axis::new(-1.05, 1.05);
+//! axis.deadband_radians = 0.01;
+//! let head = (axis, Servo::new(1000, 2000));
+//! let config = PursuitConfig::new(Camera::centred(64.0, 64, 48), head, head);
 //! let mut pursuit = Pursuit::new(config, pan_pin, tilt_pin, led_pin)?;
 //!
 //! let mut config = Config::camera();

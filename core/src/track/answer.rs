@@ -13,8 +13,11 @@ use crate::image::{FineRect, Rect};
 ///
 /// With the refiner, `Robust` is also uncertain while the network does not recognise the target in the box, and
 /// uncertain or lost while the network expects large errors.
+///
+/// A later version may add a state. Treat one that you do not know as uncertain: the box may be wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum State {
     /// The target is in the box.
     Tracking = 0,
@@ -38,6 +41,17 @@ impl State {
         self as u8
     }
 
+    /// The name of this state: `tracking`, `leaving`, `uncertain` or `lost`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tracking => "tracking",
+            Self::Leaving => "leaving",
+            Self::Uncertain => "uncertain",
+            Self::Lost => "lost",
+        }
+    }
+
     /// The state with this [`code`](Self::code); `None` for an unknown code.
     #[must_use]
     pub const fn from_code(code: u8) -> Option<Self> {
@@ -52,8 +66,11 @@ impl State {
 }
 
 /// The answer of an update. Ratios and the confidence are in units of 1/65535, so 65535 is 1.0.
+///
+/// A later version may add fields. [`Answer::new`] makes an answer without a tracker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Answer {
     /// The target's box in whole pixels.
     pub bbox: Rect,
@@ -84,6 +101,33 @@ pub struct Answer {
     pub scale: u32,
     /// True if the target was lost in the frame before and is found in this one.
     pub found_again: bool,
+}
+
+impl Answer {
+    /// An answer without a tracker, for tests and simulations: [`bbox`](Self::bbox) is the box in whole pixels, `scale`
+    /// 65536, all other numbers are 0 and all options `None`.
+    ///
+    /// ```
+    /// use smr_core::{Answer, Rect, State};
+    /// let mut answer = Answer::new(Rect::new(20, 10, 16, 16).into(), State::Tracking);
+    /// answer.confidence = 40_000; // of 65535
+    /// assert_eq!((answer.bbox.x, answer.scale, answer.alpha), (20, 65_536, None));
+    /// ```
+    #[must_use]
+    pub fn new(fine: FineRect, state: State) -> Self {
+        Self {
+            bbox: fine.whole(),
+            fine,
+            state,
+            confidence: 0,
+            ratio: 0,
+            runner_up_ratio: None,
+            alpha: None,
+            identity: None,
+            scale: 1 << 16,
+            found_again: false,
+        }
+    }
 }
 
 /// Upper bounds of a tracker's work for any frame, computed by [`Target::most_work`](crate::Target::most_work).

@@ -36,5 +36,4 @@ pub use settings::{Setting, Settings, Shape};
 pub use target::Target;
 pub use tracker::Tracker;
 pub use update::Steps;
-#[doc(hidden)]
 pub use update::calls;

@@ -172,24 +172,18 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         Ok(recorder)
     }
 
-    /// A recorder that continues after `entries` entries; for the C interface.
-    #[doc(hidden)]
+    /// A recorder that continues a record after its first `entries` entries, 1 or more. For programs that do not keep the
+    /// recorder, but [`Recorder::entries`], as the interface for C does.
     pub const fn resume(entries: u32, write: W) -> Self {
         Self { write, entries, failed: false }
     }
 
-    /// The number of entries so far; for the C interface.
-    #[doc(hidden)]
+    /// The number of entries so far: also the number of the next entry. An entry that failed counts.
     pub const fn entries(&self) -> u32 {
         self.entries
     }
 
-    /// Writes the first entry of a record; for the C interface.
-    ///
-    /// # Errors
-    /// The writer's.
-    #[doc(hidden)]
-    pub fn beginning<T: Recorded>(&mut self, target: &T) -> Result<(), E> {
+    fn beginning<T: Recorded>(&mut self, target: &T) -> Result<(), E> {
         let mut numbers = 0;
         recorded(target.config(), |_| numbers += 1);
         self.entry(Tag::Begin, 4 + 2 * numbers, |entry| {
@@ -207,11 +201,10 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         self.lock_of(frame, locked, target.lock_window(frame.bounds(), locked))
     }
 
-    /// [`Recorder::lock`] with the target's lock window; for the C interface.
+    /// As [`Recorder::lock`], for a program that has only the lock window of the target, not its type.
     ///
     /// # Errors
     /// The writer's.
-    #[doc(hidden)]
     #[inline(never)] // one copy for both trackers
     pub fn lock_of(&mut self, frame: &Frame<'_>, locked: Rect, window: Rect) -> Result<(), E> {
         // A lock whose `window` is empty or not wholly in memory has failed and changed nothing: nothing to record.
@@ -247,11 +240,11 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         target.windows().map_or(Ok(()), |windows| self.window_of(frame, windows))
     }
 
-    /// Writes the entry of [`Recorder::window`] with `Target::windows`; for the C interface.
+    /// As [`Recorder::window`], for a program that has only the [`Target::windows`] of the target, not its type. Call it
+    /// only before an update that cannot fail: one that has passed [`Checked::update`](crate::calls::Checked::update).
     ///
     /// # Errors
     /// The writer's.
-    #[doc(hidden)]
     #[inline(never)] // one copy for both trackers
     pub fn window_of(&mut self, frame: &Frame<'_>, windows: Windows) -> Result<(), E> {
         let (window, sweep) = windows.split();

@@ -357,6 +357,19 @@ fn the_preset_robust_answers_the_same_in_every_build() {
 }
 
 #[test]
+fn a_state_has_a_code_and_a_name() {
+    for (code, name) in (0..).zip(["tracking", "leaving", "uncertain", "lost"]) {
+        let state = State::from_code(code).unwrap();
+        assert_eq!((state.code(), state.name()), (code, name));
+        let mut answer = Answer::new(Rect::new(-3, 5, 10, 8).into(), state);
+        assert_eq!((answer.bbox, answer.state, answer.identity), (Rect::new(-3, 5, 10, 8), state, None));
+        answer.found_again = true;
+        assert_ne!(answer, Answer::new(answer.fine, state));
+    }
+    assert_eq!((State::from_code(4), State::ALL.len()), (None, 4));
+}
+
+#[test]
 fn a_second_target_takes_no_scratch() {
     let (paper, robust) = (size_of::<SmallPaper>(), size_of::<Robust>());
     std::println!("Paper<1024, 161> {paper}, workspace {}", size_of::<paper::Workspace<1024, 161>>());

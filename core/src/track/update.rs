@@ -185,9 +185,31 @@ pub trait Steps: Sized {
     fn commit_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: Seal) -> Quality;
 }
 
-/// The stages of a call one by one, for the C interface, which writes the answer directly to the caller's memory.
-#[doc(hidden)]
 pub mod calls {
+    //! The stages of an update or a lock one by one: check, begin, step, commit. For interfaces to other languages, such
+    //! as the one for C, which write the answer directly to the caller's memory and record the frame of an update when
+    //! it begins. Everybody else calls [`Target::update_step`](crate::Target::update_step), which does the same.
+    //!
+    //! ```
+    //! use smr_core::calls::{self, Checked};
+    //! use smr_core::{Frame, Image, Rect, Robust, Target, robust};
+    //! # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    //! # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
+    //! let (mut target, mut workspace) = (Robust::new(), robust::Workspace::new());
+    //! target.lock(&mut workspace, &frame, Rect::new(20, 10, 16, 16))?;
+    //! let answer = loop {
+    //!     let begins = Checked::update(&target, &frame)?.begin(&mut target, &mut workspace, Some(100_000));
+    //!     if begins {
+    //!         // The update begins with this step.
+    //!     }
+    //!     if calls::step(&mut target, &mut workspace, &frame, Some(100_000)) {
+    //!         break calls::commit(&mut target, &mut workspace, &frame);
+    //!     }
+    //! };
+    //! assert_eq!(answer.bbox, Rect::new(20, 10, 16, 16));
+    //! # Ok::<(), smr_core::Error>(())
+    //! ```
+
     use super::{Answer, Budget, Call, Frame, LockError, Quality, Rect, SEAL, Steps, UnderWay, UpdateError};
     use core::ptr;
 

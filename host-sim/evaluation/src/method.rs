@@ -82,12 +82,7 @@ impl From<Answer> for MethodAnswer {
 }
 
 pub const fn name_of(state: State) -> &'static str {
-    match state {
-        State::Tracking => "tracking",
-        State::Leaving => "leaving",
-        State::Uncertain => "uncertain",
-        State::Lost => "lost",
-    }
+    state.name()
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -161,17 +156,10 @@ mod tests {
     #[test]
     fn an_answer_is_finer_than_a_pixel_and_a_lost_one_is_none() {
         let fine = FineRect { x: -384, y: 128, width: 2560, height: 1 };
-        let answer = |state| Answer {
-            fine,
-            bbox: Rect::new(-1, 1, 10, 1),
-            state,
-            confidence: u16::MAX,
-            ratio: 0,
-            runner_up_ratio: None,
-            alpha: None,
-            identity: None,
-            scale: 1 << 15,
-            found_again: false,
+        let answer = |state| {
+            let mut answer = Answer::new(fine, state);
+            (answer.confidence, answer.scale) = (u16::MAX, 1 << 15);
+            answer
         };
         let report = MethodAnswer::from(answer(State::Uncertain));
         let expected = BoundingBox { x: -1.5, y: 0.5, width: 10.0, height: 1.0 / 256.0 };

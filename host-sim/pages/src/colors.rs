@@ -24,8 +24,8 @@ pub const TRUTH: Color = [0, 230, 90];
 pub const fn color_of(state: State) -> Color {
     match state {
         State::Tracking => [150, 160, 170],
-        State::Leaving | State::Uncertain => [240, 170, 0],
         State::Lost => [190, 100, 255],
+        _ => [240, 170, 0],
     }
 }
 

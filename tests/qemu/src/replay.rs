@@ -158,18 +158,14 @@ fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, Str
     };
     let fine = FineRect { x: x.cast_signed(), y: y.cast_signed(), width, height };
     let some = |word: u32| (word != u32::MAX).then(|| u16::try_from(word)).transpose();
-    let answer = Answer {
-        bbox: fine.whole(),
-        fine,
-        state: u8::try_from(state).ok().and_then(State::from_code).context("the firmware gives no state: 0 to 3")?,
-        confidence: confidence.try_into()?,
-        ratio: ratio.try_into()?,
-        runner_up_ratio: some(runner_up)?,
-        alpha: some(alpha)?,
-        identity: some(identity)?,
-        scale,
-        found_again: again != 0,
-    };
+    let state = u8::try_from(state).ok().and_then(State::from_code).context("the firmware gives no state: 0 to 3")?;
+    let mut answer = Answer::new(fine, state);
+    answer.confidence = confidence.try_into()?;
+    answer.ratio = ratio.try_into()?;
+    answer.runner_up_ratio = some(runner_up)?;
+    answer.alpha = some(alpha)?;
+    answer.identity = some(identity)?;
+    (answer.scale, answer.found_again) = (scale, again != 0);
     let pairs = values(&answer).into_iter().zip(values(&recorded));
     let mut differ = pairs.filter_map(|((what, target), (_, host))| (target != host).then_some((what, target, host)));
     differ.next().map(|values| (frame, values)).context("the firmware gives the recorded answer as another one")

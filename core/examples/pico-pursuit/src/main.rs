@@ -35,17 +35,12 @@ const FOCAL_LENGTH_PIXELS: f32 = 160.0;
 const TARGET_PIXELS: u16 = 24;
 
 /// Limits of an axis: 60 degrees to each side, for pulses of 900 to 2100 microseconds. Measure your own servos.
-const AXIS: Axis = Axis {
-    min_radians: -1.05,
-    max_radians: 1.05,
-    home_radians: 0.0,
-    gain_per_second: 3.0,
-    deadband_radians: 0.006,
-    slew_radians_per_second: 3.0,
-    return_radians_per_second: 0.5,
+const AXIS: Axis = {
+    let mut axis = Axis::new(-1.05, 1.05);
+    axis.gain_per_second = 3.0;
+    axis
 };
-const SERVO: Servo =
-    Servo { pulse_at_min_microseconds: 900, pulse_at_max_microseconds: 2100, period_microseconds: 20_000 };
+const SERVO: Servo = Servo::new(900, 2100);
 
 /// The paper tracker. With enough memory and speed, use `smr_core::Robust` and its configuration instead.
 type SmallTarget = Paper<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
@@ -85,15 +80,8 @@ fn run() -> Option<Infallible> {
     pan.output_to(pins.gpio20);
     tilt.output_to(pins.gpio21);
     let camera_model = pursuit::Camera::centred(FOCAL_LENGTH_PIXELS, WIDTH, HEIGHT);
-    let config = PursuitConfig {
-        camera: camera_model,
-        pan: AXIS,
-        pan_servo: SERVO,
-        tilt: AXIS,
-        tilt_servo: SERVO,
-        hold_seconds: 3.0,
-        delay_frames: 1,
-    };
+    let mut config = PursuitConfig::new(camera_model, (AXIS, SERVO), (AXIS, SERVO));
+    config.hold_seconds = 3.0;
     let mut pursuit = Pursuit::new(config, pan, tilt, pins.gpio25.into_push_pull_output()).ok()?;
     pursuit.wait(0.0).ok()?;
 

@@ -187,8 +187,7 @@ impl Entries<'_> {
         self.cut_off
     }
 
-    /// The bytes that were checksummed so far: at most 70 for each byte of the record. For tests.
-    #[doc(hidden)]
+    /// The work so far: the bytes that were checksummed, at most 70 for each byte of the record, however it is damaged.
     #[must_use]
     pub const fn work(&self) -> u64 {
         self.work

@@ -46,8 +46,8 @@ impl<C: Copy> Colors<C> {
     fn of(self, state: State) -> C {
         match state {
             State::Tracking | State::Leaving => self.tracking,
-            State::Uncertain => self.uncertain,
             State::Lost => self.lost,
+            _ => self.uncertain,
         }
     }
 }
@@ -82,12 +82,7 @@ pub fn draw<D: DrawTarget>(
 }
 
 const fn name(state: State) -> &'static str {
-    match state {
-        State::Tracking => "tracking",
-        State::Leaving => "leaving",
-        State::Uncertain => "uncertain",
-        State::Lost => "lost",
-    }
+    state.name()
 }
 
 #[cfg(test)]
