@@ -2,7 +2,7 @@
 
 use crate::image::{FineRect, Frame};
 use crate::track::paper::{self, Paper};
-use crate::track::robust::{Robust, Workspace};
+use crate::track::robust::{Robust, Size, Workspace};
 use crate::track::{UpdateError, robust};
 
 /// The weights of the refiner (a small network that corrects the box) as bytes, layer by layer.
@@ -13,20 +13,20 @@ pub use crate::track::paper::search::{Peak, Peaks, Window};
 
 /// The box that the correlation filter follows, before the refiner corrects it; `None` before the first lock.
 #[must_use]
-pub fn followed(target: &Robust) -> Option<FineRect> {
+pub fn followed<S: Size>(target: &Robust<S>) -> Option<FineRect> {
     target.followed()
 }
 
 /// The correlation filter's weights, in units of 2^-30: `CHANNELS` for each cell. Empty before the first lock.
 #[must_use]
-pub fn weights(target: &Robust) -> &[i32] {
+pub fn weights<S: Size>(target: &Robust<S>) -> &[i32] {
     target.weights()
 }
 
 /// The radius of the next update's search window, in cells: `Config::reach`, or less around a calm target. `None` before
 /// the first lock.
 #[must_use]
-pub fn reach(target: &Robust) -> Option<u16> {
+pub fn reach<S: Size>(target: &Robust<S>) -> Option<u16> {
     target.reach()
 }
 
@@ -35,7 +35,11 @@ pub fn reach(target: &Robust) -> Option<u16> {
 ///
 /// # Errors
 /// As [`Target::update`](crate::Target::update). Cancels an update under way in this workspace.
-pub fn features<'a>(target: &Robust, workspace: &'a mut Workspace, frame: &Frame<'_>) -> Result<&'a [i8], UpdateError> {
+pub fn features<'a, S: Size>(
+    target: &Robust<S>,
+    workspace: &'a mut Workspace<S>,
+    frame: &Frame<'_>,
+) -> Result<&'a [i8], UpdateError> {
     target.features(workspace, frame)
 }
 
@@ -44,9 +48,9 @@ pub fn features<'a>(target: &Robust, workspace: &'a mut Workspace, frame: &Frame
 ///
 /// # Errors
 /// As [`features`].
-pub fn response_map(
-    target: &Robust,
-    workspace: &mut Workspace,
+pub fn response_map<S: Size>(
+    target: &Robust<S>,
+    workspace: &mut Workspace<S>,
     frame: &Frame<'_>,
 ) -> Result<[[i32; robust::SPAN]; robust::SPAN], UpdateError> {
     target.response_map(workspace, frame)
@@ -55,7 +59,7 @@ pub fn response_map(
 /// The correlation filter's response on which the last answer is based, in units of 1/16384, with the distance penalty:
 /// about 16,384 if the target looks as before, 0 after a lock.
 #[must_use]
-pub const fn response(workspace: &Workspace) -> i32 {
+pub const fn response<S: Size>(workspace: &Workspace<S>) -> i32 {
     workspace.response()
 }
 

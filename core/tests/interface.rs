@@ -250,8 +250,11 @@ fn the_readme_states_the_memory() {
     states_the_memory_of::<1024, 33>();
     states_the_memory_of::<4096, 33>();
     states_the_memory_of::<4096, 161>();
-    let robust = if cfg!(feature = "refiner") { "| `Robust` with the feature `refiner` |" } else { "| `Robust` |" };
-    assert_eq!((size_of::<Robust>(), size_of::<robust::Workspace>()), row(robust));
+    let with = if cfg!(feature = "refiner") { " with the feature `refiner`" } else { "" };
+    let robust = row(&format!("| `Robust`{with} |"));
+    assert_eq!((size_of::<Robust>(), size_of::<robust::Workspace>()), robust);
+    let small = row(&format!("| `Robust<Small>`{with} |"));
+    assert_eq!((size_of::<Robust<robust::Small>>(), size_of::<robust::Workspace<robust::Small>>()), small);
 }
 
 /// The largest first window, the largest while the target is calm, and the largest second window of a robust target in a
@@ -267,7 +270,9 @@ fn windows(config: robust::Config, (width, height): (u16, u16)) -> [f64; 3] {
     let target = Rect::new(i32::from(across - width) / 2, i32::from(down - height) / 2, width, height);
     tracker.lock(&seen, target).expect("a box in the picture");
     let first = area(tracker.window());
-    (0..4).for_each(|_| drop(tracker.update(&seen).expect("a frame of the same size")));
+    for _ in 0..4 {
+        tracker.update(&seen).expect("a frame of the same size");
+    }
     let calm = area(tracker.window());
     let lost = |_| {
         tracker.update(&black).expect("a frame of the same size");

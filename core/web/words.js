@@ -1,7 +1,7 @@
 // Messages of the Rust library's errors, by the name of the C status. core/c/tests/interface/errors.rs generates them.
 
 export const WORDS = {
-  SMR_ERROR_OTHER_METHOD: "the target was saved by the other tracker",
+  SMR_ERROR_OTHER_METHOD: "the target was saved by another tracker, or by one of another size",
   SMR_ERROR_LIMIT_BELOW_WINDOW: "window_limit is smaller than window",
   SMR_ERROR_FRAME_EMPTY: "the image has no pixels: width and height must be at least 1",
   SMR_ERROR_STRIDE_TOO_SMALL: "the stride is smaller than the width",

@@ -4,6 +4,7 @@ use anyhow::{Context, Error, Result, anyhow, ensure};
 use serde::Serialize;
 use serde_json::{Value, json};
 use smr_core::record::{self, Begin, Entry, Flaw, Player, Recorded, Tag, entries};
+use smr_core::robust::Small;
 use smr_core::similarity::Table;
 use smr_core::{Answer, FineRect, Rect, Robust, Settings, State, Tracker, paper, robust};
 use smr_evaluation::{Paper, name_of};
@@ -238,9 +239,14 @@ fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn FlightReplay<'a> + 'a>, &'sta
     if begin.tracker == Paper::TRACKER {
         return Ok((run::<Paper>(begin, paper::Config::paper(), |config, table| config.table = table)?, "paper"));
     }
-    let expected = (char::from(Paper::TRACKER), char::from(Robust::TRACKER));
-    ensure!(begin.tracker == Robust::TRACKER, "tracker {}: expected {} or {}", begin.tracker, expected.0, expected.1);
-    Ok((run::<Robust>(begin, robust::Config::robust(), |config, table| config.table = table)?, "robust"))
+    let (standard, small) = (<Robust>::TRACKER, Robust::<Small>::TRACKER);
+    let expected = [Paper::TRACKER, standard, small].map(char::from);
+    let is_known = begin.tracker == standard || begin.tracker == small;
+    ensure!(is_known, "tracker {}: expected {}, {} or {}", begin.tracker, expected[0], expected[1], expected[2]);
+    let (rest, set) = (robust::Config::robust(), |config: &mut robust::Config, table| config.table = table);
+    let run =
+        if begin.tracker == small { run::<Robust<Small>>(begin, rest, set) } else { run::<Robust>(begin, rest, set) };
+    Ok((run?, "robust"))
 }
 
 /// Similarity tables of all scales; static, because a configuration borrows its table for the life of the program.

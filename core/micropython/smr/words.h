@@ -1,7 +1,7 @@
 // The texts of Rust's errors; NULL for a status that no call of the module can cause. core/c/tests/interface/errors.rs writes them.
 static mp_rom_error_text_t words(smr_status status) {
     switch (status) {
-        case SMR_ERROR_OTHER_METHOD: return MP_ERROR_TEXT("the target was saved by the other tracker");
+        case SMR_ERROR_OTHER_METHOD: return MP_ERROR_TEXT("the target was saved by another tracker, or by one of another size");
         case SMR_ERROR_LIMIT_BELOW_WINDOW: return MP_ERROR_TEXT("window_limit is smaller than window");
         case SMR_ERROR_FRAME_EMPTY: return MP_ERROR_TEXT("the image has no pixels: width and height must be at least 1");
         case SMR_ERROR_STRIDE_TOO_SMALL: return MP_ERROR_TEXT("the stride is smaller than the width");

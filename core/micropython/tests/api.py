@@ -268,7 +268,7 @@ for kind, other in ((smr.Paper, smr.Robust), (smr.Robust, smr.Paper)):
     raises(ValueError, "the target was saved by another version", lambda: again.restore(saved[:4] + b"\xff\xff" + saved[6:]))
     raises(ValueError, "the saved target ends too early", lambda: again.restore(saved[:-1]))
     raises(ValueError, "the saved target is damaged: its checksum is wrong", lambda: again.restore(saved[:-1] + bytes([saved[-1] ^ 1])))
-    raises(ValueError, "the target was saved by the other tracker", lambda: other().restore(saved, WIDTH, HEIGHT))
+    raises(ValueError, "the target was saved by another tracker, or by one of another size", lambda: other().restore(saved, WIDTH, HEIGHT))
     changed = smr.Paper(growth=3) if kind is smr.Paper else smr.Robust(patience=9)
     setting = "growth" if kind is smr.Paper else "patience"
     words = "the target was saved with another configuration: %s differs" % setting

@@ -144,7 +144,7 @@ impl Answer {
 /// // If the peak of a tracked target is partly outside the frame, the window is searched twice.
 /// assert!(most.update > 2 * every_offset && most.update < every_offset * 9 / 4);
 /// // For the robust tracker the size of the box does not matter.
-/// assert_eq!(robust::Config::robust().most_work(), Robust::most_work(&robust::Config::robust(), 640, 480));
+/// assert_eq!(robust::Config::robust().most_work(), <Robust>::most_work(&robust::Config::robust(), 640, 480));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

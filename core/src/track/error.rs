@@ -78,8 +78,8 @@ errors! {
         Truncated => "the saved target ends too early",
         /// The bytes have changed since they were written.
         Damaged => "the saved target is damaged: its checksum is wrong",
-        /// A tracker of the other kind (`Paper` or `Robust`) saved the target.
-        OtherTracker => "the target was saved by the other tracker",
+        /// A tracker of the other kind (`Paper` or `Robust`) or of another [`Size`](crate::robust::Size) saved the target.
+        OtherTracker => "the target was saved by another tracker, or by one of another size",
         /// The configuration is not the one the target was saved with. Contains the first setting that differs.
         OtherConfig(name: &'static str) => "the target was saved with another configuration: {name} differs",
         /// The template has more pixels, or the window more offsets, than this tracker has room for.

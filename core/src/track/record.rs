@@ -57,8 +57,8 @@
 //!
 //! The content of each entry:
 //!
-//! - `SMRB`, begin: version (2 bytes: 2), tracker (1 byte: `P` or `R`), 0 (1 byte), the configuration (2 bytes a
-//!   number)
+//! - `SMRB`, begin: version (2 bytes: 2), tracker (1 byte: `P`, `R`, or `S` for `R` of the small size), 0 (1 byte), the
+//!   configuration (2 bytes a number)
 //! - `SMRL`, lock: frame: width, height; box: left, top, width, height; window: the same (2 bytes each); its pixels,
 //!   row by row
 //! - `SMRM`, moved: right, down, in 1/256 pixel (4 bytes each, signed)
@@ -73,7 +73,7 @@
 //! The numbers of the configuration of each tracker:
 //!
 //! - `P`: the 256 entries of the table, then [`paper::Config`](crate::paper::Config)'s [`Settings::SETTINGS`]
-//! - `R`: the 256 entries of the table, then those of [`robust::Config`](crate::robust::Config), with four numbers that
+//! - `R` and `S`: the 256 entries of the table, then those of [`robust::Config`](crate::robust::Config), with four numbers that
 //!   are always 1 after `sweep`. The number of the refiner is left out if it is off
 //!
 //! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in
@@ -89,7 +89,7 @@ pub use read::{Begin, Damage, Entries, Entry, Flaw, Found, entries, first};
 pub use replay::{Difference, Player, Replayed, Stop, replay};
 
 use super::checksum::Crc;
-use super::settings::{Numbers, recorded};
+use super::settings::recorded;
 use super::update::SEAL;
 use super::{Answer, Settings, Target};
 use crate::image::{Frame, Image, Rect, Windows};
@@ -139,8 +139,8 @@ impl Tag {
 
 /// A target of either tracker, for a `Recorder`. [`Settings::of_numbers`] restores the configuration from a record.
 pub trait Recorded: Target<Config: Settings> {
-    /// The letter of the tracker in a record, `P` or `R`.
-    const TRACKER: u8 = <Self::Config as Numbers>::KIND as u8;
+    /// The letter of the tracker in a record: `P`, `R`, or `S` for the robust tracker of the small size.
+    const TRACKER: u8 = Self::LETTER;
 }
 
 impl<T: Target<Config: Settings>> Recorded for T {}

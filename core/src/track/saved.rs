@@ -3,11 +3,11 @@
 //! | bytes | content |
 //! |---|---|
 //! | 0 to 2 | `SMR` |
-//! | 3 | the tracker: `P` or `R` |
+//! | 3 | the tracker: `P`, `R`, or `S` for `R` of the small size |
 //! | 4, 5 | version of this format |
 //! | 6 to 9 | checksum of the table of similarities |
 //! | 10 to 13 | length of all bytes |
-//! | then 2 each | the other numbers of the configuration: 26 of `P`, 13 of `R`, in the order of their settings |
+//! | then 2 each | the other numbers of the configuration: 26 of `P`, 13 of `R` and `S`, in the order of their settings |
 //! | then | the state of the tracker |
 //! | last 4 | checksum of all bytes before |
 //!
@@ -36,8 +36,8 @@ pub(super) struct Saved<'a> {
 }
 
 impl<'a> Saved<'a> {
-    pub(super) fn of<C: Settings>(config: &C, numbers: &'a C::Array) -> Self {
-        Self { kind: C::KIND, table: config.table(), numbers: numbers.as_ref() }
+    pub(super) fn of<C: Settings>(kind: Kind, config: &C, numbers: &'a C::Array) -> Self {
+        Self { kind, table: config.table(), numbers: numbers.as_ref() }
     }
 
     fn table_sum(&self) -> u32 {

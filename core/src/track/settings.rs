@@ -161,6 +161,8 @@ pub trait Settings: Numbers {
 pub enum Kind {
     Paper = b'P',
     Robust = b'R',
+    /// The robust tracker of the small size.
+    RobustSmall = b'S',
 }
 
 /// The name that errors use for the reserved values of a record, which are always 1.
@@ -174,7 +176,8 @@ pub trait Numbers: Copy + Default {
     const MIN: usize;
     /// The name of the setting that each value belongs to.
     const NAMES: &'static [&'static str];
-    const KIND: Kind;
+    /// The trackers that have this configuration.
+    const KINDS: &'static [Kind];
 
     fn numbers(&self) -> Self::Array;
     /// Sets the table and all values. Each value must be in its range.
@@ -276,7 +279,7 @@ macro_rules! of_type {
 /// that N reserved values, always 1, precede the setting in a record.
 macro_rules! settings {
     (
-        $kind:ident, $least:expr; $(#[$about:meta])*
+        $($kind:ident)|+, $least:expr; $(#[$about:meta])*
         { $($(#[$other_about:meta])* $other:ident: $other_type:ty,)* }
         $($(#[doc = $text:literal])+ $name:ident: $type:ident, $lowest:literal..=$highest:literal $(after $ones:tt)?;)+
     ) => {
@@ -310,7 +313,7 @@ macro_rules! settings {
             const COUNT: usize = 0 $(+ of_type!(shape $type).count() $(+ $ones)?)+;
             const MIN: usize = Self::COUNT - $least;
             const NAMES: &'static [&'static str] = &names::<{ Self::COUNT }>(Self::SETTINGS);
-            const KIND: Kind = Kind::$kind;
+            const KINDS: &'static [Kind] = &[$(Kind::$kind),+];
 
             #[inline(never)]
             fn numbers(&self) -> Self::Array {

@@ -51,6 +51,10 @@ pub trait Target: Steps {
     /// The largest size of a saved target in bytes: see [`Target::save`].
     const SAVED_SIZE: usize;
 
+    /// The letter of the tracker in saved targets and records.
+    #[doc(hidden)]
+    const LETTER: u8;
+
     /// Upper bounds of the work of an update, a lock and a step for a box of `width` x `height` pixels, for any frame.
     fn most_work(config: &Self::Config, width: u16, height: u16) -> MostWork;
 

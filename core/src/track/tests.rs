@@ -1,17 +1,18 @@
-//! Tests of both trackers by the same code: promises, camera motion, damaged bytes, misuse, settings, memory.
+//! Tests of all trackers by the same code: promises, camera motion, damaged bytes, misuse, settings, memory.
 
 mod promises;
 mod refused;
 mod shared;
 
 use super::checksum::Crc;
-use super::record::Recorder;
+use super::record::{Difference, Recorder, Stop, replay};
 use super::settings::recorded;
 use super::update::Steps;
 use super::{
     Answer, ConfigError, LockError, RestoreError, SaveError, Settings, Shape, State, Target, Tracker, UpdateError,
     paper, robust,
 };
+use crate::robust::Small;
 use crate::similarity::Table;
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
 use core::fmt::Debug;
@@ -21,6 +22,7 @@ use shared::{a_shared_workspace_costs_no_step, no_target_continues_the_call_of_a
 use std::{boxed::Box, string::ToString, vec, vec::Vec};
 
 type SmallPaper = Paper<1024, 161>;
+type SmallRobust = Robust<Small>;
 
 fn small_paper() -> paper::Config {
     let mut config = paper::Config::camera();
@@ -107,7 +109,7 @@ pub(super) fn most_parts() -> robust::Config {
     robust::Config { refiner: cfg!(feature = "refiner"), ..robust::Config::robust() }
 }
 
-macro_rules! for_both {
+macro_rules! for_all {
     ($($name:ident),* $(,)?) => {
         mod paper_tracker {
             $(#[test] fn $name() { super::$name::<super::SmallPaper>(super::small_paper()); })*
@@ -115,10 +117,13 @@ macro_rules! for_both {
         mod robust_tracker {
             $(#[test] fn $name() { super::$name::<super::Robust>(super::most_parts()); })*
         }
+        mod small_robust_tracker {
+            $(#[test] fn $name() { super::$name::<super::SmallRobust>(super::most_parts().within::<super::Small>()); })*
+        }
     };
 }
 
-for_both! {
+for_all! {
     the_scene_has_what_it_is_for,
     promises_hold_in_films,
     promises_hold_at_the_edges,
@@ -233,7 +238,7 @@ fn misuse_is_an_error_and_changes_nothing<T: Target>(config: T::Config) {
 #[test]
 fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     let bytes = saved(of_scene::<SmallPaper>(small_paper()).target());
-    let mut robust = Robust::new();
+    let mut robust = <Robust>::new();
     assert_eq!(robust.restore(&bytes), Err(RestoreError::OtherTracker));
     // A saved target may be restored with another backend or other pruning.
     let mut slow = small_paper();
@@ -243,6 +248,55 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     assert_eq!(Paper::<1024, 33>::with(small_paper()).unwrap().restore(&bytes), Err(RestoreError::TooLarge));
     let bytes = saved(of_scene::<Robust>(robust::Config::robust()).target());
     assert_eq!(SmallPaper::with(small_paper()).unwrap().restore(&bytes), Err(RestoreError::OtherTracker));
+}
+
+#[test]
+fn a_target_of_the_other_size_is_refused() {
+    let config = most_parts().within::<Small>();
+    let (standard, small) = (of_scene::<Robust>(config), of_scene::<SmallRobust>(config));
+    let (of_standard, of_small) = (saved(standard.target()), saved(small.target()));
+    let refusal = <Robust>::with(config).unwrap().restore(&of_small).unwrap_err();
+    assert_eq!(refusal.to_string(), "the target was saved by another tracker, or by one of another size");
+    assert_eq!(SmallRobust::with(config).unwrap().restore(&of_standard), Err(RestoreError::OtherTracker));
+}
+
+#[test]
+fn a_flight_is_replayed_by_a_tracker_of_its_size() {
+    let (mut file, mut tracker) = (vec![], Tracker::<SmallRobust>::new());
+    let mut recorder = Recorder::begin(tracker.target(), |bytes| {
+        file.extend_from_slice(bytes);
+        Ok::<(), ()>(())
+    })
+    .unwrap();
+    let frames = frames();
+    tracker.lock(&whole(&frames[0]), TARGET).unwrap();
+    recorder.lock(tracker.target(), &whole(&frames[0]), TARGET).unwrap();
+    for pixels in &frames[1..20] {
+        recorder.window(tracker.target(), &whole(pixels)).unwrap();
+        recorder.answer(&tracker.update(&whole(pixels)).unwrap()).unwrap();
+    }
+    recorder.restored(&saved(tracker.target())).unwrap();
+    let replayed = replay(&file, &mut tracker, |tracker, frame| tracker.update(frame)).unwrap();
+    assert_eq!((replayed.locks, replayed.answers), (1, 19));
+    let other = replay(&file, &mut Tracker::<Robust>::new(), |tracker, frame| tracker.update(frame)).unwrap_err();
+    assert!(matches!(other, Stop::Difference { number: 0, difference: Difference::Numbers, .. }), "{other}");
+}
+
+#[test]
+fn a_small_tracker_has_a_smaller_reach() {
+    let mut config = robust::Config::robust();
+    assert_eq!(SmallRobust::with(config).unwrap_err().to_string(), "reach is 4 to 7, not 8");
+    let before = *SmallRobust::new().config();
+    assert_eq!((before.reach, before), (7, config.within::<Small>()));
+    config.reach = 5;
+    assert_eq!(
+        (config.within::<Small>(), SmallRobust::with(config).map(|target| target.config().reach)),
+        (config, Ok(5))
+    );
+    (config.reach, config.uncertain_below) = (9, 0);
+    assert_eq!(SmallRobust::with(config).unwrap_err().to_string(), "reach is 4 to 7, not 9");
+    config.reach = 7;
+    assert_eq!(SmallRobust::with(config).unwrap_err(), ConfigError::UncertainBelowLost);
 }
 
 static OTHER_TABLE: Table = match Table::new(100) {
@@ -298,6 +352,7 @@ fn the_settings_of_the_papers_tracker_have_names() {
 #[test]
 fn the_settings_of_the_robust_tracker_have_names() {
     settings_have_names::<Robust>(robust::Config::robust());
+    settings_have_names::<SmallRobust>(robust::Config::robust().within::<Small>());
     for part in 2..6 {
         let mut numbers = numbers_of(&robust::Config::robust());
         numbers[part] = 0;
@@ -311,7 +366,7 @@ fn a_refusal_names_the_first_of_several() {
     let bytes = saved(of_scene::<Robust>(robust::Config::robust()).target());
     let mut other = robust::Config::robust();
     (other.reach, other.early_rate) = (5, 9);
-    assert_eq!(Robust::with(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig("reach")));
+    assert_eq!(<Robust>::with(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig("reach")));
 }
 
 #[test]
@@ -348,7 +403,7 @@ fn the_preset_robust_answers_the_same_in_every_build() {
     for pixels in &frames[1..] {
         recorder.window(tracker.target(), &whole(pixels)).unwrap();
         recorder.answer(&tracker.update(&whole(pixels)).unwrap()).unwrap();
-        works.push(Robust::work(tracker.workspace()));
+        works.push(<Robust>::work(tracker.workspace()));
         recorder.restored(&saved(tracker.target())).unwrap();
     }
     let most = robust::Config::robust().most_work();
@@ -374,8 +429,13 @@ fn a_second_target_takes_no_scratch() {
     let (paper, robust) = (size_of::<SmallPaper>(), size_of::<Robust>());
     std::println!("Paper<1024, 161> {paper}, workspace {}", size_of::<paper::Workspace<1024, 161>>());
     std::println!("Robust {robust}, workspace {}", size_of::<robust::Workspace>());
-    let most = 12 * 1024 + if cfg!(feature = "refiner") { 1040 } else { 0 };
-    assert!(paper <= 1024 + 200 && robust <= most, "{paper} {robust}");
+    let small = size_of::<SmallRobust>();
+    std::println!("Robust<Small> {small}, workspace {}", size_of::<robust::Workspace<Small>>());
+    let refiner = if cfg!(feature = "refiner") { 1040 } else { 0 };
+    assert!(
+        paper <= 1024 + 200 && robust <= 12 * 1024 + refiner && small <= 10 * 1024 + refiner,
+        "{paper} {robust} {small}"
+    );
 }
 
 /// The linker puts a `static` that begins as zeroes into `.bss`, where it takes no flash.
@@ -386,6 +446,7 @@ fn a_tracker_in_a_static_takes_no_flash() {
     use std::sync::Mutex;
     static PAPER: Mutex<Tracker<SmallPaper>> = Mutex::new(Tracker::<SmallPaper>::new());
     static ROBUST: Mutex<Tracker<Robust>> = Mutex::new(Tracker::<Robust>::new());
+    static SMALL: Mutex<Tracker<SmallRobust>> = Mutex::new(Tracker::<SmallRobust>::new());
     static OTHER: Mutex<[u8; 4096]> = Mutex::new([1; 4096]);
     // SAFETY: the linker defines both; only their addresses are taken.
     unsafe extern "C" {
@@ -393,8 +454,9 @@ fn a_tracker_in_a_static_takes_no_flash() {
         safe static _end: u8;
     }
     let bss = (&raw const __bss_start).addr()..(&raw const _end).addr();
-    let (paper, robust, other) = ((&raw const PAPER).addr(), (&raw const ROBUST).addr(), (&raw const OTHER).addr());
-    assert_eq!([paper, robust, other].map(|at| bss.contains(&at)), [true, true, false]);
+    let (paper, robust, small) = ((&raw const PAPER).addr(), (&raw const ROBUST).addr(), (&raw const SMALL).addr());
+    let all = [paper, robust, small, (&raw const OTHER).addr()];
+    assert_eq!(all.map(|at| bss.contains(&at)), [true, true, true, false]);
 }
 
 #[test]

@@ -22,6 +22,7 @@ type PaperTracker = Paper<128, 121>;
 /// The paper tracker for boxes of up to 64x64 pixels, and windows of up to +-16 pixels, growth included.
 #[cfg(not(feature = "small"))]
 type PaperTracker = Paper<{ 64 * 64 }, 33>;
+type RobustTracker = Robust;
 
 /// A tracker that can be replayed. All its memory is on the stack, so the measured stack includes it.
 trait Replayed: Recorded {
@@ -138,7 +139,7 @@ impl Run {
         self.record.read(HEAD as u64 + 2, &mut letter).ok_or(End::Damaged)?;
         match letter {
             [PaperTracker::TRACKER] => self.replay::<PaperTracker>(),
-            [Robust::TRACKER] => self.replay::<Robust>(),
+            [RobustTracker::TRACKER] => self.replay::<RobustTracker>(),
             _ => Err(End::Configuration),
         }
     }

@@ -55,6 +55,6 @@ fn follow(u: &mut Unstructured<'_>, frame: &Frame<'_>) -> Result<()> {
         let [window, sweep] = [tracker.window(), tracker.sweep_window()];
         assert!(window.into_iter().chain(sweep).all(|window| bounds.contains(window)), "{window:?} {sweep:?}");
     }
-    assert!(tracker.saved_size().expect("it is locked") <= Robust::SAVED_SIZE);
+    assert!(tracker.saved_size().expect("it is locked") <= <Robust>::SAVED_SIZE);
     Ok(())
 }

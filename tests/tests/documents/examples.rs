@@ -163,7 +163,7 @@ mod several {
         let pictures = pictures(1);
         let frame = Frame::whole(Image::new(&pictures[0], 320, 240).unwrap());
         let config = robust::Config::refined();
-        let mut targets = [Robust::with(config).unwrap(), Robust::with(config).unwrap()];
+        let mut targets = [(); 2].map(|()| <Robust>::with(config).unwrap());
         let mut workspace = Box::new(robust::Workspace::new());
         lock_both(&frame, &mut targets, &mut workspace).unwrap();
         for target in &mut targets {

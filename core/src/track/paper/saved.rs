@@ -5,7 +5,7 @@ use super::template::Template;
 use super::track::Track;
 use crate::image::Rect;
 use crate::track::saved::{Reader, Refusal, Saved, Writer, around};
-use crate::track::settings::Numbers;
+use crate::track::settings::{Kind, Numbers};
 use crate::track::{Quality, RestoreError, SaveError, State};
 
 /// The size in bytes of the saved `Track` and the threshold alpha together.
@@ -26,7 +26,7 @@ pub(super) fn save<const PIXELS: usize>(
     bytes: &mut [u8],
 ) -> Result<usize, SaveError> {
     let (Some(track), Some(image)) = (track, template.image()) else { return Err(SaveError::NotLocked) };
-    let mut to = Writer::new(bytes, saved_size(Some(track))?, &Saved::of(config, &config.numbers()))?;
+    let mut to = Writer::new(bytes, saved_size(Some(track))?, &Saved::of(Kind::Paper, config, &config.numbers()))?;
     to.i32(track.target.x);
     to.i32(track.target.y);
     for side in [track.target.width, track.target.height, track.bounds.width, track.bounds.height] {
@@ -42,7 +42,7 @@ pub(super) fn save<const PIXELS: usize>(
 }
 
 pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
-    Reader::new(bytes, &Saved::of(config, &config.numbers()))
+    Reader::new(bytes, &Saved::of(Kind::Paper, config, &config.numbers()))
 }
 
 /// Restores the template and returns the track. If it fails, the template is unchanged.

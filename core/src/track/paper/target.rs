@@ -11,6 +11,7 @@ use crate::image::{FineRect, Frame, Image, Rect};
 use crate::similarity::score_at;
 use crate::similarity::{Backend, Contrast, CutTable, Scorer};
 use crate::track::saved::Refusal;
+use crate::track::settings::Kind;
 use crate::track::target::{Slot, lockable};
 use crate::track::update::{Seal, Steps, Ticket, UnderWay};
 use crate::track::{
@@ -118,6 +119,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     type Config = Config;
 
     const SAVED_SIZE: usize = saved::size(PIXELS);
+    const LETTER: u8 = Kind::Paper as u8;
 
     /// Upper bounds of the work (see `MostWork`) with the largest window that the configuration and `SPAN` allow.
     fn most_work(config: &Config, width: u16, height: u16) -> MostWork {

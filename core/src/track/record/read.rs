@@ -118,7 +118,7 @@ impl fmt::Debug for Begin<'_> {
 }
 
 impl Begin<'_> {
-    /// The recorded configuration; `None` if it is no valid `C`, or if its similarity table is neither the paper's nor
+    /// The recorded configuration; `None` if it is no valid `C` of this tracker, or if its similarity table is neither the paper's nor
     /// the one in `rest`. `rest` also supplies the settings that a record lacks (no answer depends on them).
     #[must_use]
     pub fn config<C: Settings>(&self, rest: &C) -> Option<C> {
@@ -129,7 +129,9 @@ impl Begin<'_> {
         numbers.nth(TABLE - 1)?;
         let (mut all, count) = ([0; MAX_NUMBERS], numbers.len());
         all.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
-        let found = C::of_numbers(table, all.get(..count)?).ok().filter(|_| self.tracker == C::KIND as u8)?;
+        let found = C::of_numbers(table, all.get(..count)?)
+            .ok()
+            .filter(|_| C::KINDS.iter().any(|&kind| kind as u8 == self.tracker))?;
         let mut config = *rest;
         config.put(table, &found.numbers());
         Some(config)

@@ -154,7 +154,7 @@ impl<'a, T: Recorded> Player<'a, T> {
 
 #[inline(never)] // keeps its stack out of that of an update
 fn configure<T: Recorded>(tracker: &mut Tracker<T>, begin: &Begin<'_>, rest: &T::Config) -> Result<(), Difference> {
-    let config = begin.config(rest).ok_or(Difference::Numbers)?;
+    let config = begin.config(rest).filter(|_| begin.tracker == T::TRACKER).ok_or(Difference::Numbers)?;
     tracker.configure(config).map_err(Difference::Config)
 }
 

@@ -1,11 +1,12 @@
 //! The configuration of the robust tracker: the settings that firmware may tune, with ranges and defaults.
 
+use super::constants::REACH;
 use crate::similarity::{Backend, PAPER, Table};
 use crate::track::ConfigError;
 use crate::track::settings::{Kind, Numbers, Setting, Settings, Shape, names};
 
 settings! {
-    Robust, 1;
+    Robust | RobustSmall, 1;
     /// The settings of the robust tracker. Start from [`Config::robust`], the values that were best on many recordings,
     /// or from `Config::refined`, the same values with the refiner, and change what you need.
     ///
@@ -14,7 +15,7 @@ settings! {
     /// let mut config = Config::robust();
     /// config.size = false; // a target whose distance does not change
     /// config.reach = 5; // and that moves slowly: two fifths of the work
-    /// let target = Robust::with(config)?;
+    /// let target: Robust = Target::with(config)?;
     /// assert!(target.window().is_none());
     /// # Ok::<(), smr_core::ConfigError>(())
     /// ```
@@ -95,6 +96,14 @@ impl Config {
             Ok(()) if self.refiner && !cfg!(feature = "refiner") => Err(ConfigError::RefinerNotBuiltIn),
             checked => checked,
         }
+    }
+
+    /// [`Config::check`] for a tracker whose largest `reach` is `largest`.
+    pub(super) const fn check_for(&self, largest: u16) -> Result<(), ConfigError> {
+        if largest < REACH {
+            in_range!("reach", self.reach as u16, 4, largest);
+        }
+        self.check()
     }
 
     pub(super) const fn span(&self) -> usize {

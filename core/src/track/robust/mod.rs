@@ -74,6 +74,7 @@ pub use constants::{CELL, CHANNELS, REACH};
 pub use features::Grid;
 #[cfg(all(feature = "refiner", feature = "unstable"))]
 pub(crate) use refiner::REFINER_WEIGHTS;
+pub use run::{Size, Small, Standard};
 #[cfg(any(test, feature = "unstable"))]
 pub(crate) use target::Robust;
 pub use target::Workspace;

@@ -1,20 +1,21 @@
 //! The public calls of the robust tracker's target.
 
 use super::config::Config;
-use super::constants::SCALE;
 #[cfg(feature = "unstable")]
 use super::constants::SPAN;
-use super::decision::{Memory, Track, memory};
+use super::constants::{Limits, SCALE};
+use super::decision::{Memory, MemoryMut, Track, memory};
 use super::features::Grid;
+use super::refiner::First;
 #[cfg(feature = "unstable")]
 use super::run::pipeline;
-use super::run::{Buffers, Inputs, LockPipeline, Pipeline, expected_pixels, lock_pixels, swept_pixels};
+use super::run::{Buffers, Inputs, LockPipeline, Pipeline, Size, Standard, expected_pixels, lock_pixels, swept_pixels};
 use crate::image::{FineRect, Frame, Rect};
 use crate::track::saved::Refusal;
 use crate::track::target::{Slot, lockable};
 #[cfg(feature = "unstable")]
 use crate::track::update::SEAL;
-use crate::track::update::{Seal, Steps, Ticket, UnderWay};
+use crate::track::update::{Budget, Seal, Steps, Ticket, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, Tracker, UpdateError,
 };
@@ -42,110 +43,159 @@ use crate::track::{
 /// assert_eq!(answer.state, State::Tracking);
 /// # Ok::<(), smr_core::Error>(())
 /// ```
-pub struct Robust {
+///
+/// `Robust<Small>` takes less memory and work, and follows a little less well: see [`Size`](super::Size).
+///
+/// ```
+/// # use smr_core::{Frame, Image, Rect, State};
+/// use smr_core::{Robust, Tracker, robust::{Config, Small}};
+///
+/// # let picture = |left: usize, top: usize| -> Vec<u8> {
+/// #     let pixel = |x: usize, y: usize| match (x.wrapping_sub(left), y.wrapping_sub(top)) {
+/// #         (x @ 0..40, y @ 0..40) => ((x / 5 * 37 + y / 5 * 59) % 200) as u8,
+/// #         _ => 90,
+/// #     };
+/// #     (0..160 * 120).map(|at| pixel(at % 160, at / 160)).collect()
+/// # };
+/// # let (first, second) = (picture(20, 30), picture(26, 33));
+/// # let first = Frame::whole(Image::new(&first, 160, 120)?);
+/// # let second = Frame::whole(Image::new(&second, 160, 120)?);
+/// let mut tracker = Tracker::<Robust<Small>>::new();
+/// assert!(size_of_val(&tracker) < 45 * 1024);
+/// tracker.lock(&first, Rect::new(20, 30, 40, 40))?;
+/// assert_eq!(tracker.update(&second)?.state, State::Tracking);
+///
+/// // Its `reach` is at most 7. `within` lowers that of another configuration.
+/// assert_eq!(tracker.configure(Config::robust()).unwrap_err().to_string(), "reach is 4 to 7, not 8");
+/// tracker.configure(Config::robust().within::<Small>())?;
+/// # Ok::<(), smr_core::Error>(())
+/// ```
+pub struct Robust<S: Size = Standard> {
     config: Slot<Config>,
     ticket: Ticket,
-    memory: Memory,
+    track: Option<Track>,
+    first: First,
+    learned: S::Learned,
 }
 
-impl Robust {
-    const DEFAULT: Config = Config::robust();
+impl<S: Size> Robust<S> {
+    const DEFAULT: Config = Config::robust().within::<S>();
 
-    /// A target that is not locked, with [`Config::robust`]. All its bytes are 0, so that a `static` takes no flash. For
-    /// another configuration see [`Target::with`] and [`Target::configure`].
+    /// A target that is not locked, with [`Config::robust`] within the size. All its bytes are 0, so that a `static` takes
+    /// no flash. For another configuration see [`Target::with`] and [`Target::configure`].
     #[must_use]
     #[inline(always)]
     pub const fn new() -> Self {
-        Self { config: Slot::Empty, ticket: const { Ticket::NONE }, memory: Memory::new() }
+        Self {
+            config: Slot::Empty,
+            ticket: const { Ticket::NONE },
+            track: None,
+            first: First::NONE,
+            learned: S::UNLEARNED,
+        }
     }
 
-    #[cfg_attr(smr_small, inline(never))]
-    fn configured(config: &Slot<Config>) -> &Config {
-        config.or(&Self::DEFAULT)
+    fn configured(&self) -> &Config {
+        self.config.or(const { &Self::DEFAULT })
     }
 
     /// Pixels of the early template, row by row, in the shape of [`Robust::grid`]. `None` before the first lock.
     #[must_use]
     pub fn early_template(&self) -> Option<impl ExactSizeIterator<Item = u8>> {
-        self.memory.track.as_ref().map(|_| self.memory.template.pixels())
+        let (_, template) = S::learned(&self.learned);
+        self.track.as_ref().map(|_| template.pixels())
     }
 
     /// The grid to which the target is resampled; `None` before the first lock.
     #[must_use]
     pub fn grid(&self) -> Option<Grid> {
-        self.memory.track.map(|track| track.grid)
+        self.track.map(|track| track.grid)
     }
 
     #[cfg(any(test, feature = "unstable"))]
     pub(crate) fn weights(&self) -> &[i32] {
-        self.memory.filter.weights()
+        S::learned(&self.learned).0.weights()
     }
 
     #[cfg(feature = "unstable")]
     pub(crate) fn followed(&self) -> Option<FineRect> {
-        self.memory.track.map(|track| track.box_at(track.motion.place))
+        self.track.map(|track| track.box_at(track.motion.place))
     }
 
     #[cfg(feature = "unstable")]
     pub(crate) fn reach(&self) -> Option<u16> {
-        self.memory.track.map(|track| track.reach(Self::configured(&self.config)))
+        self.track.map(|track| track.reach(self.configured()))
     }
 
     #[cfg(feature = "unstable")]
     pub(crate) fn features<'a>(
         &self,
-        workspace: &'a mut Workspace,
+        workspace: &'a mut Workspace<S>,
         frame: &Frame<'_>,
     ) -> Result<&'a [i8], UpdateError> {
         self.check(frame, SEAL)?; // nothing below can fail
-        let inputs = self.inputs().ok_or(UpdateError::NotLocked)?;
+        let inputs = inputs(self.configured(), self.memory()).ok_or(UpdateError::NotLocked)?;
         workspace.under_way.end();
-        if !pipeline::features(&inputs, &mut workspace.buffers, frame) {
+        let mut buffers = S::buffers(&mut workspace.scratch);
+        if !pipeline::features(&inputs, &mut buffers, frame) {
             return Err(UpdateError::WindowNotInMemory);
         }
-        Ok(&workspace.buffers.large)
+        Ok(buffers.large)
     }
 
     #[cfg(feature = "unstable")]
     pub(crate) fn response_map(
         &self,
-        workspace: &mut Workspace,
+        workspace: &mut Workspace<S>,
         frame: &Frame<'_>,
     ) -> Result<[[i32; SPAN]; SPAN], UpdateError> {
         self.features(workspace, frame)?;
-        let inputs = self.inputs().ok_or(UpdateError::NotLocked)?;
-        Ok(pipeline::responses(&inputs, &mut workspace.buffers, &mut workspace.under_way.budget))
+        let inputs = inputs(self.configured(), self.memory()).ok_or(UpdateError::NotLocked)?;
+        let mut buffers = S::buffers(&mut workspace.scratch);
+        Ok(pipeline::responses(&inputs, &mut buffers, &mut workspace.under_way.budget))
     }
 
-    fn inputs(&self) -> Option<Inputs<'_>> {
-        let track = self.memory.track.as_ref()?;
-        Some(Inputs { config: Self::configured(&self.config), memory: &self.memory, track })
+    fn memory(&self) -> Memory<'_> {
+        let (filter, template) = S::learned(&self.learned);
+        Memory { limits: S::LIMITS, track: self.track.as_ref(), filter, template, first: &self.first }
+    }
+
+    fn parts(&mut self) -> (&Config, MemoryMut<'_>) {
+        let Self { config, track, first, learned, .. } = self;
+        let (filter, template) = S::learned_mut(learned);
+        let config = config.or(const { &Self::DEFAULT });
+        (config, MemoryMut { limits: S::LIMITS, track, filter, template, first })
+    }
+
+    #[cfg_attr(smr_small, inline(never))]
+    fn job<'a>(&'a mut self, workspace: &'a mut Workspace<S>) -> Job<'a> {
+        let Workspace { progress, under_way: UnderWay { budget, .. }, scratch } = workspace;
+        let (config, memory) = self.parts();
+        Job { config, memory, progress, budget, buffers: S::buffers(scratch) }
     }
 }
 
-impl Default for Robust {
+impl<S: Size> Default for Robust<S> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl core::fmt::Debug for Robust {
+impl<S: Size> core::fmt::Debug for Robust<S> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Robust")
-            .field("config", Self::configured(&self.config))
-            .field("track", &self.memory.track)
-            .finish_non_exhaustive()
+        f.debug_struct("Robust").field("config", self.configured()).field("track", &self.track).finish_non_exhaustive()
     }
 }
 
-impl Target for Robust {
+impl<S: Size> Target for Robust<S> {
     type Config = Config;
 
-    const SAVED_SIZE: usize = memory::SAVED_SIZE;
+    const SAVED_SIZE: usize = memory::most_saved(S::LIMITS);
+    const LETTER: u8 = S::LIMITS.kind as u8;
 
-    /// Upper bounds of the work, the same for every box: see [`Config::most_work`].
+    /// Upper bounds of the work, the same for every box: see [`Config::most_work_of`].
     fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
-        config.most_work()
+        config.most_work_of::<S>()
     }
 
     #[inline(always)]
@@ -154,81 +204,81 @@ impl Target for Robust {
     }
 
     fn check_config(config: &Config) -> Result<(), ConfigError> {
-        config.check()
+        config.check_for(S::REACH)
     }
 
     #[inline(always)]
     fn set_config(&mut self, config: Config) {
-        (self.config, self.memory.track) = (Slot::Full(config), None);
+        (self.config, self.track) = (Slot::Full(config), None);
         self.ticket.end();
     }
 
     fn config(&self) -> &Config {
-        Self::configured(&self.config)
+        self.configured()
     }
 
     /// The pixels that a lock reads: the search window around the box, and the refiner's crop (1.75 times the box).
     fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect {
-        if bounds.contains(bbox) { lock_pixels(bounds, bbox, Self::configured(&self.config)) } else { Rect::default() }
+        if bounds.contains(bbox) { lock_pixels(bounds, bbox, self.configured(), S::LIMITS) } else { Rect::default() }
     }
 
     fn window(&self) -> Option<Rect> {
-        let track = self.memory.track.as_ref()?;
-        Some(expected_pixels(track, Self::configured(&self.config)))
+        Some(expected_pixels(self.track.as_ref()?, self.configured()))
     }
 
     fn sweep_window(&self) -> Option<Rect> {
-        let track = self.memory.track.as_ref()?;
-        swept_pixels(track, Self::configured(&self.config))
+        swept_pixels(self.track.as_ref()?, self.configured())
     }
 
     fn bbox(&self) -> Option<FineRect> {
-        self.memory.track.map(|track| track.bbox())
+        self.track.map(|track| track.bbox())
     }
 
     fn state(&self) -> Option<State> {
-        self.memory.track.map(|track| track.state(Self::configured(&self.config)))
+        self.track.map(|track| track.state(self.configured()))
     }
 
     fn quality(&self) -> Option<Quality> {
-        self.memory.track.map(|track| track.quality)
+        self.track.map(|track| track.quality)
     }
 
     fn moved(&mut self, right: i32, down: i32) {
         self.ticket.end();
-        if let Some(track) = &mut self.memory.track {
+        if let Some(track) = &mut self.track {
             track.motion.shift(right, down, track.bounds);
         }
     }
 
     fn saved_size(&self) -> Result<usize, SaveError> {
-        self.memory.saved_size(Self::configured(&self.config))
+        self.memory().saved_size(self.configured())
     }
 
     fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError> {
-        self.memory.save(Self::configured(&self.config), bytes)
+        self.memory().save(self.configured(), bytes)
     }
 
     #[inline(always)] // a program that does not name settings does not link their names
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
-        self.memory.restore(Self::configured(&self.config), bytes).map_err(Refusal::named::<Config>)?;
+        let (config, mut memory) = self.parts();
+        memory.restore(config, bytes).map_err(Refusal::named::<Config>)?;
         self.ticket.end();
         Ok(())
     }
 
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
-        memory::reader(Self::configured(&self.config), bytes).map(drop).map_err(Refusal::named::<Config>)
+        memory::reader(S::LIMITS, self.configured(), bytes).map(drop).map_err(Refusal::named::<Config>)
     }
 }
 
-impl Steps for Robust {
-    type Workspace = Workspace;
+/// Each call only takes target and workspace apart, so that the code behind it is compiled once for all sizes.
+impl<S: Size> Steps for Robust<S> {
+    type Workspace = Workspace<S>;
 
-    fn under_way(workspace: &mut Workspace, _: Seal) -> &mut UnderWay {
+    fn under_way(workspace: &mut Workspace<S>, _: Seal) -> &mut UnderWay {
         &mut workspace.under_way
     }
 
-    fn work(workspace: &Workspace) -> u32 {
+    fn work(workspace: &Workspace<S>) -> u32 {
         workspace.under_way.budget.done()
     }
 
@@ -237,60 +287,111 @@ impl Steps for Robust {
     }
 
     fn check(&self, frame: &Frame<'_>, _: Seal) -> Result<(), UpdateError> {
-        let track = self.memory.track.as_ref().ok_or(UpdateError::NotLocked)?;
-        if track.bounds != frame.bounds() {
-            return Err(UpdateError::FrameSizeChanged);
-        }
-        let covered = frame.covers(expected_pixels(track, Self::configured(&self.config)))
-            && swept_pixels(track, Self::configured(&self.config)).is_none_or(|rect| frame.covers(rect));
-        if covered { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
+        check(self.configured(), self.track.as_ref(), frame)
     }
 
     fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: Seal) -> Result<(), LockError> {
-        let bounds = frame.bounds();
-        lockable(bounds, bbox)?;
-        if frame.covers(self.lock_window(bounds, bbox)) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
+        check_lock(self.configured(), S::LIMITS, frame, bbox)
     }
 
-    fn start(&mut self, workspace: &mut Workspace, _: Seal) {
-        let Workspace { progress, buffers, under_way } = workspace;
-        if let Some(inputs) = self.inputs() {
-            *progress = Progress::Update(Pipeline::begin(&inputs, buffers, &mut under_way.budget));
+    fn start(&mut self, workspace: &mut Workspace<S>, _: Seal) {
+        self.job(workspace).start();
+    }
+
+    fn start_lock(&mut self, workspace: &mut Workspace<S>, bounds: Rect, bbox: Rect, _: Seal) {
+        self.job(workspace).start_lock(bounds, bbox);
+    }
+
+    fn step(&mut self, workspace: &mut Workspace<S>, frame: &Frame<'_>, _: Seal) -> bool {
+        self.job(workspace).step(frame)
+    }
+
+    fn step_lock(&mut self, workspace: &mut Workspace<S>, frame: &Frame<'_>, _: Seal) -> bool {
+        self.job(workspace).step_lock(frame)
+    }
+
+    fn commit(&mut self, workspace: &mut Workspace<S>, _: &Frame<'_>, _: Seal) -> Answer {
+        self.job(workspace).commit()
+    }
+
+    fn commit_lock(&mut self, workspace: &mut Workspace<S>, _: &Frame<'_>, _: Seal) -> Quality {
+        self.job(workspace).commit_lock()
+    }
+}
+
+fn inputs<'a>(config: &'a Config, memory: Memory<'a>) -> Option<Inputs<'a>> {
+    Some(Inputs { config, memory, track: memory.track? })
+}
+
+#[inline(never)] // one copy for all sizes
+fn check(config: &Config, track: Option<&Track>, frame: &Frame<'_>) -> Result<(), UpdateError> {
+    let track = track.ok_or(UpdateError::NotLocked)?;
+    if track.bounds != frame.bounds() {
+        return Err(UpdateError::FrameSizeChanged);
+    }
+    let covered = frame.covers(expected_pixels(track, config))
+        && swept_pixels(track, config).is_none_or(|rect| frame.covers(rect));
+    if covered { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
+}
+
+#[inline(never)] // one copy for all sizes
+fn check_lock(config: &Config, limits: Limits, frame: &Frame<'_>, bbox: Rect) -> Result<(), LockError> {
+    let bounds = frame.bounds();
+    lockable(bounds, bbox)?;
+    let window = lock_pixels(bounds, bbox, config, limits);
+    if frame.covers(window) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
+}
+
+/// A target and a workspace of any size, for the calls of [`Steps`].
+struct Job<'a> {
+    config: &'a Config,
+    memory: MemoryMut<'a>,
+    progress: &'a mut Progress,
+    budget: &'a mut Budget,
+    buffers: Buffers<'a>,
+}
+
+// No call is inlined: there is one copy for all sizes, and the stack of one is not in another.
+impl Job<'_> {
+    #[inline(never)]
+    fn start(&mut self) {
+        if let Some(inputs) = inputs(self.config, self.memory.shared()) {
+            *self.progress = Progress::Update(Pipeline::begin(&inputs, &mut self.buffers, self.budget));
         }
     }
 
-    #[inline(never)] // keeps its stack out of `step`
-    fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, bbox: Rect, _: Seal) {
-        let Workspace { progress, buffers, .. } = workspace;
-        let track = Track::new(bounds, bbox);
-        *progress =
-            Progress::Lock(LockPipeline::begin(track, Self::configured(&self.config), &mut self.memory, buffers));
+    #[inline(never)]
+    fn start_lock(&mut self, bounds: Rect, bbox: Rect) {
+        let track = Track::new(bounds, bbox, self.memory.limits);
+        *self.progress = Progress::Lock(LockPipeline::begin(track, self.config, &mut self.memory, &mut self.buffers));
     }
 
-    fn step(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: Seal) -> bool {
-        let Workspace { progress, buffers, under_way } = workspace;
-        match (self.inputs(), progress) {
-            (Some(inputs), Progress::Update(update)) => update.step(&inputs, buffers, &mut under_way.budget, frame),
+    #[inline(never)]
+    fn step(&mut self, frame: &Frame<'_>) -> bool {
+        let Self { config, memory, progress, budget, buffers } = self;
+        match (inputs(config, memory.shared()), progress) {
+            (Some(inputs), Progress::Update(update)) => update.step(&inputs, buffers, budget, frame),
             _ => true,
         }
     }
 
-    #[inline(never)] // keeps its stack out of `step`
-    fn step_lock(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: Seal) -> bool {
-        let Workspace { progress: Progress::Lock(lock), buffers, under_way } = workspace else { return true };
-        lock.step((Self::configured(&self.config), &mut self.memory), buffers, &mut under_way.budget, frame)
+    #[inline(never)]
+    fn step_lock(&mut self, frame: &Frame<'_>) -> bool {
+        let Self { config, memory, progress: Progress::Lock(lock), budget, buffers } = self else { return true };
+        lock.step((config, memory), buffers, budget, frame)
     }
 
-    fn commit(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: Seal) -> Answer {
-        let before = self.state();
+    #[inline(never)]
+    fn commit(&mut self) -> Answer {
+        let Self { config, memory, progress, buffers, .. } = self;
+        let before = memory.track.as_ref().map(|track| track.state(config));
         let mut ratio = 0;
-        if let Workspace { progress: Progress::Update(update), buffers, .. } = workspace {
-            update.commit(Self::configured(&self.config), &mut self.memory, buffers);
+        if let Progress::Update(update) = progress {
+            update.commit(config, memory, buffers);
             ratio = update.candidate().agreement;
         }
-        let fine = self.bbox().unwrap_or_default();
-        let config = Self::configured(&self.config);
-        let track = self.memory.track.as_ref();
+        let track = memory.track.as_ref();
+        let fine = track.map(Track::bbox).unwrap_or_default();
         let (state, confidence, scale) = track.map_or((State::Lost, 0, SCALE), |track| {
             (track.state(config), track.confidence.value(), track.motion.place.scale)
         });
@@ -308,16 +409,16 @@ impl Steps for Robust {
         }
     }
 
-    #[inline(never)] // keeps its stack out of `step`
-    fn commit_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: Seal) -> Quality {
-        let Workspace { progress: Progress::Lock(lock), buffers, .. } = workspace else { return Quality::NONE };
-        lock.commit(Self::configured(&self.config), &mut self.memory, buffers)
+    #[inline(never)]
+    fn commit_lock(&mut self) -> Quality {
+        let Self { config, memory, progress: Progress::Lock(lock), buffers, .. } = self else { return Quality::NONE };
+        lock.commit(config, memory, buffers)
     }
 }
 
 #[derive(Clone, Copy)]
 #[repr(u32)] // `Nothing` is 0, so a `static` workspace is all zeroes and takes no flash
-pub(super) enum Progress {
+enum Progress {
     Nothing,
     Update(Pipeline),
     Lock(LockPipeline),
@@ -330,19 +431,19 @@ pub(super) enum Progress {
 /// static WORKSPACE: smr_core::robust::Workspace = smr_core::robust::Workspace::new();
 /// assert!(size_of_val(&WORKSPACE) < 48 * 1024);
 /// ```
-#[repr(C)] // see `Buffers`
-pub struct Workspace {
-    pub(super) progress: Progress,
-    pub(super) under_way: UnderWay,
-    pub(super) buffers: Buffers,
+#[repr(C)] // see `Scratch`
+pub struct Workspace<S: Size = Standard> {
+    progress: Progress,
+    under_way: UnderWay,
+    scratch: S::Scratch,
 }
 
-impl Workspace {
+impl<S: Size> Workspace<S> {
     /// A workspace whose bytes are all 0, so that in a `static` it takes no flash.
     #[must_use]
     #[inline(always)]
     pub const fn new() -> Self {
-        Self { progress: Progress::Nothing, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
+        Self { progress: Progress::Nothing, under_way: UnderWay::NOTHING, scratch: S::UNUSED }
     }
 
     /// The filter's penalised response at the answer's peak, in units of 1/16384; 0 until that peak is refined.
@@ -351,21 +452,21 @@ impl Workspace {
     }
 }
 
-impl core::fmt::Debug for Workspace {
+impl<S: Size> core::fmt::Debug for Workspace<S> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Workspace").field("response", &self.response()).finish_non_exhaustive()
     }
 }
 
-impl Default for Workspace {
+impl<S: Size> Default for Workspace<S> {
     #[inline(always)]
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Tracker<Robust> {
-    /// A tracker without a target, with [`Config::robust`]. All its bytes are 0, so a `static` takes no flash:
+impl<S: Size> Tracker<Robust<S>> {
+    /// A tracker without a target, with [`Config::robust`] within the size. All its bytes are 0, so a `static` takes no flash:
     ///
     /// ```
     /// use smr_core::{Robust, Tracker, robust::Config};

@@ -1,6 +1,6 @@
 //! Tests of the whole tracker: bounds of its work, changing targets, covered targets, and targets that come back.
 
-use super::{Config, Robust};
+use super::{Config, Robust, Size};
 use crate::track::tests::{cut, drawn, locked, most_parts, of_size};
 use crate::{Answer, FineRect, Rect, State, Tracker};
 use std::{vec, vec::Vec};
@@ -15,14 +15,33 @@ fn following(first: &[u8], size: (u16, u16), target: Rect) -> impl FnMut(&[u8]) 
     move |pixels| tracker.update(&of_size(pixels, size)).unwrap()
 }
 
+/// Tests that hold for a tracker of each size.
+macro_rules! for_both_sizes {
+    ($($name:ident),* $(,)?) => {
+        mod standard {
+            $(#[test] fn $name() { super::$name::<crate::robust::Standard>(); })*
+        }
+        mod small {
+            $(#[test] fn $name() { super::$name::<crate::robust::Small>(); })*
+        }
+    };
+}
+
+for_both_sizes! {
+    a_target_of_any_size_costs_about_the_same,
+    the_most_work_is_nearly_done,
+    a_distinct_target_is_not_refused,
+}
+
 /// The size of the target hardly affects the work, because only a few pixels of each block are read. The largest frame
 /// has 4 GiB, nearly all of which is never touched.
-#[cfg(target_pointer_width = "64")]
-#[test]
-fn a_target_of_any_size_costs_about_the_same() {
+fn a_target_of_any_size_costs_about_the_same<S: Size>() {
+    if usize::BITS < 64 {
+        return;
+    }
     let work_of = |config: Config, pixels: &[u8], size: (u16, u16), target: Rect| {
-        let frame = of_size(pixels, size);
-        let (mut tracker, most) = (locked::<Robust>(config, &frame, target), config.most_work());
+        let (frame, config) = (of_size(pixels, size), config.within::<S>());
+        let (mut tracker, most) = (locked::<Robust<S>>(config, &frame, target), config.most_work_of::<S>());
         assert!(u64::from(tracker.work()) <= most.lock, "{target:?}: {} of {most:?}", tracker.work());
         let works = [(); 2].map(|()| tracker.update(&frame).map(|_| tracker.work()).unwrap());
         let work = works[0].max(works[1]);
@@ -59,16 +78,17 @@ fn a_target_of_any_size_costs_about_the_same() {
 }
 
 /// The largest work of an update, of a lock, and of a step that was granted one unit of work.
-fn most_done(config: Config) -> [u64; 3] {
+fn most_done<S: Size>(config: Config) -> [u64; 3] {
     let mut most = [0; 3];
-    // Boxes whose filters have nearly 200 cells, the maximum: 14x14, 22x9, and twice 32x6 cells.
+    // Boxes whose filters have nearly 200 cells, the maximum: 14x14, 22x9, and twice 32x6 cells. In the small size nearly
+    // 162: 12x13, 20x8, and twice 32x5.
     for (width, height) in [(79, 79), (158, 66), (316, 50), (300, 48)] {
         // The frame has five times the target's width, so that a row of the sweep has at least four windows.
         let (across, down) = (5 * width, 3 * height);
         let pixels = 15 * usize::from(width) * usize::from(height);
         let (first, other) = (noise(pixels), vec![0; pixels]);
         let target = Rect::new((2 * width).into(), height.into(), width, height);
-        let mut tracker = locked::<Robust>(config, &of_size(&first, (across, down)), target);
+        let mut tracker = locked::<Robust<S>>(config, &of_size(&first, (across, down)), target);
         most[1] = most[1].max(tracker.work().into());
         for pixels in [&first, &first, &other, &other, &other] {
             let frame = of_size(pixels, (across, down));
@@ -86,8 +106,7 @@ fn most_done(config: Config) -> [u64; 3] {
 /// The largest work of an update, of a lock and of a step is 85 to 100 % of its own bound; that of an update with the
 /// refiner and a sweep 65 to 100 %, because no frame here learns, is then refused by the network, and has something like
 /// the target in every window.
-#[test]
-fn the_most_work_is_nearly_done() {
+fn the_most_work_is_nearly_done<S: Size>() {
     let lost = |config| Config { lost_below: u16::MAX, uncertain_below: u16::MAX, ..config };
     for config in [
         most_parts(),
@@ -95,8 +114,12 @@ fn the_most_work_is_nearly_done() {
         Config { size: false, ..most_parts() },
         Config { sweep: 0, ..most_parts() },
     ] {
-        let most = config.most_work();
-        let both = most_done(config).into_iter().zip(most_done(lost(config))).map(|(learns, looks)| learns.max(looks));
+        let config = config.within::<S>();
+        let most = config.most_work_of::<S>();
+        let both = most_done::<S>(config)
+            .into_iter()
+            .zip(most_done::<S>(lost(config)))
+            .map(|(learns, looks)| learns.max(looks));
         let rare = config.refiner && config.sweep > 0;
         let parts = [(most.update, if rare { 65 } else { 85 }), (most.lock, 85), (most.beyond_a_step.into(), 85)];
         for (done, (most, percent)) in both.zip(parts) {
@@ -220,8 +243,7 @@ fn on_its_ground(kind: i32, (left, top): (i32, i32), target: impl Fn(i32, i32) -
 }
 
 /// A target that `lock` rates as distinct is not lost while it stands still, however much of it is black or white.
-#[test]
-fn a_distinct_target_is_not_refused() {
+fn a_distinct_target_is_not_refused<S: Size>() {
     let targets: [fn(i32, i32) -> u8; 4] = [
         |x, y| if hash(x / 8, y / 8, 0).is_multiple_of(2) { 0 } else { 255 },
         |x, y| if (x - 20).pow(2) + (y - 20).pow(2) < 300 { 255 } else { 90 },
@@ -233,7 +255,7 @@ fn a_distinct_target_is_not_refused() {
         for (margin, light) in [(0, 100), (4, 100), (4, 60)] {
             let side = 40 + 2 * margin;
             let bbox = Rect::new(50 - i32::from(margin), 40 - i32::from(margin), side, side);
-            let mut tracker = locked::<Robust>(most_parts(), &of_size(scene, (160, 120)), bbox);
+            let mut tracker = locked::<Robust<S>>(most_parts().within::<S>(), &of_size(scene, (160, 120)), bbox);
             let dimmed: Vec<u8> = scene.iter().map(|&level| (u32::from(level) * light / 100) as u8).collect();
             for frame in 0..12 {
                 let answer = tracker.update(&of_size(&dimmed, (160, 120))).unwrap();

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::Quality;
+use crate::robust::Size;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 
@@ -28,7 +29,7 @@ impl Refusing for SmallPaper {
     }
 }
 
-impl Refusing for Robust {
+impl<S: Size> Refusing for Robust<S> {
     const TOO_LARGE: Rect = Rect::new(0, 0, 0, 0);
 
     fn invalid() -> robust::Config {

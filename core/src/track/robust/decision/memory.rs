@@ -1,7 +1,7 @@
 //! The memory of a target from frame to frame (track, filter, early template, refiner), and its saved form.
 
 use super::super::config::Config;
-use super::super::constants::{CHANNELS, MAX_CELLS, MAX_PIXELS, PIXEL_BITS, WEIGHTS};
+use super::super::constants::{Limits, PIXEL_BITS};
 use super::super::features::{Grid, Motion, Place};
 use super::super::filter::{Filter, scale};
 use super::super::refiner::{self, First, Review};
@@ -15,29 +15,62 @@ use crate::image::Rect;
 use crate::track::saved::{Reader, Refusal, Saved, Writer, around};
 use crate::track::settings::Numbers;
 use crate::track::{Quality, RestoreError, SaveError};
+use heapless::Vec;
 
 /// Bytes of a saved track.
 const TRACK: usize = 62 + Calm::SAVED;
-pub(crate) const SAVED_SIZE: usize =
-    around(Config::COUNT) + TRACK + 4 * MAX_CELLS * CHANNELS + 2 * MAX_PIXELS + REFINED;
 /// Bytes of the refiner's memory and of its doubt.
 const REFINED: usize = refiner::SAVED + Doubt::SAVED;
 
-pub(crate) struct Memory {
-    /// The target's place and state; `None` before the first lock.
-    pub(crate) track: Option<Track>,
-    pub(crate) filter: Filter<WEIGHTS>,
-    pub(crate) template: Template,
-    /// The refiner's crop of the target in the first frame.
-    pub(crate) first: First,
+/// The largest size of a saved target, in bytes.
+pub(crate) const fn most_saved(limits: Limits) -> usize {
+    around(Config::COUNT) + TRACK + 4 * limits.weights() + 2 * limits.pixels as usize + REFINED
 }
 
-impl Memory {
+/// What a target learns: the part of its memory that grows with its size.
+pub(crate) struct Learned<const WEIGHTS: usize, const PIXELS: usize> {
+    filter: Filter<Vec<i32, WEIGHTS>>,
+    template: Template<Vec<u16, PIXELS>>,
+}
+
+impl<const WEIGHTS: usize, const PIXELS: usize> Learned<WEIGHTS, PIXELS> {
     #[inline(always)]
     pub(crate) const fn new() -> Self {
-        Self { track: None, filter: Filter::new(), template: Template::new(), first: First::NONE }
+        Self { filter: Filter::new(), template: Template::new() }
     }
 
+    pub(crate) fn parts(&self) -> (&Filter, &Template) {
+        (&self.filter, &self.template)
+    }
+
+    pub(crate) fn parts_mut(&mut self) -> (&mut Filter, &mut Template) {
+        (&mut self.filter, &mut self.template)
+    }
+}
+
+/// The memory of a target of any size.
+#[derive(Clone, Copy)]
+pub(crate) struct Memory<'a> {
+    pub(crate) limits: Limits,
+    /// The target's place and state; `None` before the first lock.
+    pub(crate) track: Option<&'a Track>,
+    pub(crate) filter: &'a Filter,
+    pub(crate) template: &'a Template,
+    /// The refiner's crop of the target in the first frame.
+    pub(crate) first: &'a First,
+}
+
+/// As [`Memory`], for a call that changes it.
+pub(crate) struct MemoryMut<'a> {
+    pub(crate) limits: Limits,
+    pub(crate) track: &'a mut Option<Track>,
+    pub(crate) filter: &'a mut Filter,
+    pub(crate) template: &'a mut Template,
+    pub(crate) first: &'a mut First,
+}
+
+impl Memory<'_> {
+    #[inline(never)]
     pub(crate) fn saved_size(&self, config: &Config) -> Result<usize, SaveError> {
         let refiner = if config.refines() { REFINED } else { 0 };
         let size =
@@ -45,9 +78,11 @@ impl Memory {
         self.track.map(|_| size).ok_or(SaveError::NotLocked)
     }
 
+    #[inline(never)]
     pub(crate) fn save(&self, config: &Config, bytes: &mut [u8]) -> Result<usize, SaveError> {
         let track = self.track.ok_or(SaveError::NotLocked)?;
-        let mut to = Writer::new(bytes, self.saved_size(config)?, &Saved::of(config, &config.numbers()))?;
+        let mut to =
+            Writer::new(bytes, self.saved_size(config)?, &Saved::of(self.limits.kind, config, &config.numbers()))?;
         for side in [track.bounds.width, track.bounds.height].into_iter().chain(track.size) {
             to.u16(side);
         }
@@ -71,12 +106,19 @@ impl Memory {
         }
         Ok(to.finish())
     }
+}
+
+impl MemoryMut<'_> {
+    pub(crate) fn shared(&self) -> Memory<'_> {
+        let Self { limits, track, filter, template, first } = self;
+        Memory { limits: *limits, track: track.as_ref(), filter, template, first }
+    }
 
     /// Restores a target that [`Memory::save`] wrote. Changes nothing if it fails.
     #[inline(never)]
     pub(crate) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), Refusal> {
-        let mut from = reader(config, bytes)?;
-        let mut track = read_track(&mut from).ok_or(RestoreError::Damaged)?;
+        let mut from = reader(self.limits, config, bytes)?;
+        let mut track = read_track(self.limits, &mut from).ok_or(RestoreError::Damaged)?;
         let count = track.grid.weights();
         let pixels = usize::from(track.grid.columns) * usize::from(track.grid.rows);
         let weights = from.slice(4 * count).ok_or(RestoreError::Damaged)?;
@@ -90,12 +132,12 @@ impl Memory {
         }
         self.filter.restore(count, weights.as_chunks().0.iter().map(|&bytes| i32::from_le_bytes(bytes)));
         self.template.restore(mean.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)));
-        self.track = Some(track);
+        *self.track = Some(track);
         Ok(())
     }
 }
 
-fn read_track(from: &mut Reader<'_>) -> Option<Track> {
+fn read_track(limits: Limits, from: &mut Reader<'_>) -> Option<Track> {
     let bounds = Rect::new(0, 0, from.u16()?, from.u16()?);
     let target = Rect::new(0, 0, from.u16()?, from.u16()?);
     let (x, y, right, down) = (from.i64()?, from.i64()?, from.i64()?, from.i64()?);
@@ -113,7 +155,7 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
         && [scale, tracked_scale].into_iter().all(scale::is_possible);
     possible.then(|| Track {
         bounds,
-        grid: Grid::new(target),
+        grid: Grid::within(limits, target),
         size: [target.width, target.height],
         motion: Motion { place, velocity: [right, down] },
         tracked_scale,
@@ -127,6 +169,6 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
     })
 }
 
-pub(crate) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
-    Reader::new(bytes, &Saved::of(config, &config.numbers()))
+pub(crate) fn reader<'a>(limits: Limits, config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
+    Reader::new(bytes, &Saved::of(limits.kind, config, &config.numbers()))
 }

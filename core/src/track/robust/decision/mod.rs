@@ -11,6 +11,6 @@ mod track;
 pub(super) use calm::Calm;
 pub(super) use confidence::{Confidence, Evidence};
 pub(super) use giving_up::Doubt;
-pub(super) use memory::Memory;
+pub(super) use memory::{Memory, MemoryMut};
 pub(super) use redetection::Sweep;
 pub(super) use track::Track;

@@ -1,7 +1,7 @@
 //! The track of a target: its place, size and state from frame to frame.
 
 use super::super::config::Config;
-use super::super::constants::{PIXEL, SCALE};
+use super::super::constants::{Limits, PIXEL, SCALE};
 use super::super::features::{Grid, Motion, Place};
 use super::super::refiner::Review;
 use super::super::verification::Light;
@@ -31,10 +31,10 @@ pub(crate) struct Track {
 }
 
 impl Track {
-    pub(crate) fn new(bounds: Rect, target: Rect) -> Self {
+    pub(crate) fn new(bounds: Rect, target: Rect, limits: Limits) -> Self {
         Self {
             bounds,
-            grid: Grid::new(target),
+            grid: Grid::within(limits, target),
             size: [target.width, target.height],
             motion: Motion::at(Place::of(target)),
             tracked_scale: SCALE,
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_box_grows_around_its_middle() {
-        let mut track = Track::new(Rect::new(0, 0, 100, 80), Rect::new(20, 30, 10, 20));
+        let mut track = Track::new(Rect::new(0, 0, 100, 80), Rect::new(20, 30, 10, 20), Limits::STANDARD);
         assert_eq!(track.bbox().whole(), Rect::new(20, 30, 10, 20));
         track.motion.place.scale = 2 * SCALE;
         assert_eq!(track.bbox().whole(), Rect::new(15, 20, 20, 40));

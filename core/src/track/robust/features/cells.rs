@@ -24,7 +24,7 @@ use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
 use crate::image::{Frame, Rect};
 use crate::kernels::{PACKED, Packed, SIDE, features, gradients, norms, rolled};
 use crate::track::update::Budget;
-use heapless::Vec;
+use heapless::VecView;
 
 /// The floor that is added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for
 /// each pixel of a cell. Without it, noise in flat cells would be amplified to full contrast. A floor near 0 lowers the
@@ -98,7 +98,7 @@ impl Extractor {
 
     /// Begins the features of a window. False if `out` is too small for them. `lattice` has a border of one sample.
     #[inline(never)]
-    pub(crate) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
+    pub(crate) fn begin(&mut self, bounds: Rect, lattice: &Lattice, out: &mut VecView<i8>) -> bool {
         self.begin_rows(bounds, lattice);
         let cells = usize::from(lattice.columns / CELL) * usize::from(lattice.rows / CELL);
         // Old features need not be cleared, because every byte is overwritten.
@@ -164,12 +164,7 @@ impl Extractor {
 
     #[cfg(feature = "unstable")]
     /// Computes all features at once. False if a needed pixel is not in memory, or if `out` is too small.
-    pub(crate) fn features<const N: usize>(
-        &mut self,
-        frame: &Frame<'_>,
-        lattice: &Lattice,
-        out: &mut Vec<i8, N>,
-    ) -> bool {
+    pub(crate) fn features(&mut self, frame: &Frame<'_>, lattice: &Lattice, out: &mut VecView<i8>) -> bool {
         if !self.begin(frame.bounds(), lattice, out) || !frame.covers(lattice.pixels(frame.bounds())) {
             out.clear();
             return false;

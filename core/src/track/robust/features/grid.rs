@@ -1,11 +1,12 @@
 //! The target's grid: the step at which the frame is resampled, and the shapes of template and filter on the grid. A
-//! target of 400 or more frame pixels has about 1600 pixels on its grid, so its size hardly changes the cost.
+//! target of 400 or more frame pixels has about 1600 pixels on its grid (1296 in the small size), so its size hardly
+//! changes the cost.
 //!
 //! ```text
-//! step = sqrt(area / 1600) pixels of the frame, at least half a pixel
+//! step = sqrt(area / 1600 or 1296) pixels of the frame, at least half a pixel
 //! ```
 
-use super::super::constants::{CELL, CHANNELS, MAX_CELLS, MAX_PIXELS, MAX_SIDE, PIXEL_BITS};
+use super::super::constants::{CELL, CHANNELS, Limits, MAX_SIDE, PIXEL_BITS};
 use crate::image::Rect;
 use crate::kernels::rolled;
 use crate::track::update::units;
@@ -36,8 +37,9 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The grid for a box of this size. The sides of template and filter are rounded. The template has at most 1600
-    /// pixels, the filter at most 200 cells, so both cover only the middle of a very long box.
+    /// The grid for a box of this size in a tracker of the [`Standard`](super::super::Standard) size. The sides of
+    /// template and filter are rounded. The template has at most 1600 pixels, the filter at most 200 cells, so both
+    /// cover only the middle of a very long box.
     ///
     /// ```
     /// use smr_core::{Rect, robust::Grid};
@@ -47,10 +49,15 @@ impl Grid {
     /// ```
     #[must_use]
     pub fn new(target: Rect) -> Self {
-        let step = step(target.area());
-        let (across, down) = fitting([target.width, target.height].map(|size| cells(size, step)), MAX_CELLS);
+        Self::within(Limits::STANDARD, target)
+    }
+
+    #[inline(never)]
+    pub(crate) fn within(limits: Limits, target: Rect) -> Self {
+        let step = step(target.area(), limits.pixels);
+        let (across, down) = fitting([target.width, target.height].map(|size| cells(size, step)), limits.cells);
         let (columns, rows) =
-            fitting([pairs(target.width, across, step), pairs(target.height, down, step)], MAX_PIXELS / 4);
+            fitting([pairs(target.width, across, step), pairs(target.height, down, step)], limits.pixels / 4);
         Self { columns: 2 * columns, rows: 2 * rows, across, down, step }
     }
 
@@ -81,9 +88,11 @@ pub(crate) struct Extent {
     pub(crate) down: u32,
     /// The radius of the search window, in cells.
     pub(crate) reach: u32,
+    /// Pixels of the largest template.
+    pub(crate) most_pixels: u32,
 }
 
-#[allow(clippy::cast_possible_truncation)] // constants: 10 channels, 1600 pixels
+#[allow(clippy::cast_possible_truncation)] // a constant: 10 channels
 impl Extent {
     pub(crate) const fn with_reach(self, reach: u16) -> Self {
         Self { reach: reach as u32, ..self }
@@ -95,7 +104,7 @@ impl Extent {
 
     pub(crate) const fn pixels(self) -> u32 {
         let all = self.across * self.down * CELL as u32 * CELL as u32;
-        if all < MAX_PIXELS as u32 { all } else { MAX_PIXELS as u32 }
+        if all < self.most_pixels { all } else { self.most_pixels }
     }
 
     pub(crate) const fn span(self) -> u32 {
@@ -107,14 +116,14 @@ impl Extent {
     }
 }
 
-/// The grid's step for a box, in units of 1/4096 pixel: the root of area / `MAX_PIXELS`, rounded down, but at least
-/// `MIN_STEP`. It is below 2^23.
-fn step(area: u32) -> u32 {
+/// The grid's step for a box, in units of 1/4096 pixel: the root of area / `pixels`, rounded down, but at least
+/// `MIN_STEP`. It is below 2^23, because `pixels` is at least 1024.
+fn step(area: u32, pixels: u16) -> u32 {
     let square = u64::from(area) << (2 * PIXEL_BITS);
     let mut root = 0;
     for bit in rolled((0..23).rev()) {
         let larger = root | 1 << bit;
-        if u64::from(larger) * u64::from(larger) * MAX_PIXELS as u64 <= square {
+        if u64::from(larger) * u64::from(larger) * u64::from(pixels) <= square {
             root = larger;
         }
     }
@@ -139,9 +148,9 @@ fn pairs(size: u16, cells: u16, step: u32) -> u16 {
 
 /// Shortens the longer side until the product of the sides is at most `most`.
 #[inline(never)]
-fn fitting([mut across, mut down]: [u16; 2], most: usize) -> (u16, u16) {
+fn fitting([mut across, mut down]: [u16; 2], most: u16) -> (u16, u16) {
     for () in rolled(core::iter::repeat(())) {
-        if usize::from(across) * usize::from(down) <= most {
+        if u32::from(across) * u32::from(down) <= u32::from(most) {
             break;
         }
         *(if across > down { &mut across } else { &mut down }) -= 1;
@@ -155,11 +164,13 @@ mod tests {
 
     #[test]
     fn roots_are_rounded_down() {
-        let wanted = |area: u32| ((u64::from(area) << 24) / 1600).isqrt().max(2048);
+        let wanted = |area: u32, pixels: u16| ((u64::from(area) << 24) / u64::from(pixels)).isqrt().max(2048);
         let ends = (0..32).flat_map(|places| [1 << places, (1 << places) + 1, u32::MAX >> places]);
         let squares = (1..=65535).step_by(7).map(|side: u32| side * side);
         for area in (0..3000).chain(ends).chain(squares.flat_map(|square| [square - 1, square, square + 1])) {
-            assert_eq!(u64::from(step(area)), wanted(area), "{area}");
+            for Limits { pixels, .. } in [Limits::STANDARD, Limits::SMALL] {
+                assert_eq!(u64::from(step(area, pixels)), wanted(area, pixels), "{area} {pixels}");
+            }
         }
     }
 }

@@ -17,7 +17,7 @@ use super::grid::Grid;
 use super::motion::Place;
 use crate::image::{Frame, Image, Rect};
 use crate::kernels::{BIAS, Interpolation, MixedRow, rolled};
-use heapless::Vec;
+use heapless::{Vec, VecView};
 
 /// Columns of the largest lattice: a search window, and a pixel on each side for the gradients.
 pub(super) const COLUMNS: usize = ((MAX_SIDE + 2 * REACH) * CELL + 2) as usize;
@@ -148,19 +148,14 @@ impl Lattice {
     }
 
     /// Begins to sample into `out`. False if its capacity is too small.
-    pub(crate) fn begin<const N: usize>(&self, bounds: Rect, sampling: &mut Sampling, out: &mut Vec<u8, N>) -> bool {
+    pub(crate) fn begin(&self, bounds: Rect, sampling: &mut Sampling, out: &mut VecView<u8>) -> bool {
         out.clear();
         self.prepare(bounds, sampling);
         out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_ok()
     }
 
     #[cfg(test)]
-    pub(crate) fn sample<const N: usize>(
-        &self,
-        frame: &Frame<'_>,
-        sampling: &mut Sampling,
-        out: &mut Vec<u8, N>,
-    ) -> bool {
+    pub(crate) fn sample(&self, frame: &Frame<'_>, sampling: &mut Sampling, out: &mut VecView<u8>) -> bool {
         let possible = self.begin(frame.bounds(), sampling, out) && frame.covers(self.pixels(frame.bounds()));
         while possible && !sampling.next_row(frame, out) {}
         possible

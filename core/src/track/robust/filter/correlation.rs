@@ -16,7 +16,7 @@
 //! product for each weight and offset.
 
 use crate::kernels::{GradientStep, Layout, Packed, Products, ScaledSums, rolled};
-use heapless::Vec;
+use heapless::{Vec, VecView};
 
 /// The features of a window, cell by cell. `layout` tells which of the features the filter covers at each offset.
 #[derive(Clone, Copy)]
@@ -53,18 +53,21 @@ pub(super) fn add_gradient<const S: usize>(
 /// The largest number in `Coded`, so that a sum of 2000 products with 8-bit features stays below 2^31.
 pub(crate) const LARGEST: u32 = 8191;
 
-/// Up to `N` 16-bit integers with a common exponent (block floating point): each value is number * 2^`shift`.
-pub(crate) struct Coded<const N: usize> {
-    numbers: Vec<i16, N>,
+/// 16-bit integers with a common exponent (block floating point): each value is number * 2^`shift`. `V` is a vector, or
+/// by default a view of one with any capacity.
+pub(crate) struct Coded<V: ?Sized = VecView<i16>> {
     shift: u32,
+    numbers: V,
 }
 
-impl<const N: usize> Coded<N> {
+impl<const N: usize> Coded<Vec<i16, N>> {
     #[inline(always)]
     pub(crate) const fn new() -> Self {
-        Self { numbers: Vec::new(), shift: 0 }
+        Self { shift: 0, numbers: Vec::new() }
     }
+}
 
+impl Coded {
     pub(crate) fn numbers(&self) -> &[i16] {
         &self.numbers
     }
@@ -124,20 +127,22 @@ pub(super) fn shift_below(largest: u32, bound: u32) -> u32 {
     shift
 }
 
-/// The correlation filter: up to `N` weights, one for each channel of each cell, in units of 2^-16 / 16384.
-pub(crate) struct Filter<const N: usize> {
-    weights: Vec<i32, N>,
+/// The correlation filter: one weight for each channel of each cell, in units of 2^-16 / 16384. `V` as in [`Coded`].
+pub(crate) struct Filter<V: ?Sized = VecView<i32>> {
+    weights: V,
 }
 
-impl<const N: usize> Filter<N> {
+impl<const N: usize> Filter<Vec<i32, N>> {
     #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self { weights: Vec::new() }
     }
+}
 
+impl Filter {
     pub(crate) fn start(&mut self, count: usize) {
         self.weights.clear();
-        // Cannot fail: no grid has more than `N` weights.
+        // Cannot fail: no grid has more weights than its tracker has room for.
         let _ = self.weights.resize_default(count);
     }
 
@@ -151,10 +156,10 @@ impl<const N: usize> Filter<N> {
     }
 
     #[inline(never)]
-    pub(crate) fn code(&self, coded: &mut Coded<N>) {
+    pub(crate) fn code(&self, coded: &mut Coded) {
         let numbers = ScaledSums::of(&self.weights);
         coded.shift = shift_below(numbers.largest(), LARGEST);
-        // Cannot fail: both vectors have a capacity of `N`.
+        // Cannot fail: both vectors have the same capacity.
         let _ = coded.numbers.resize_default(self.weights.len());
         numbers.code(coded.shift, &mut coded.numbers);
     }
@@ -162,7 +167,7 @@ impl<const N: usize> Filter<N> {
     /// A gradient step: w -= length * direction. `length` has 44 fractional bits and is below 2^47, so every product is
     /// below 2^60. A weight that would overflow an `i32` stays unchanged.
     #[inline(never)]
-    pub(crate) fn descend(&mut self, length: i64, direction: &Coded<N>) {
+    pub(crate) fn descend(&mut self, length: i64, direction: &Coded) {
         GradientStep { length, back: 44u32.saturating_sub(direction.shift()) }
             .apply(&mut self.weights, direction.numbers());
     }
@@ -175,9 +180,10 @@ mod tests {
     #[test]
     fn coded_numbers_are_bounded() {
         for largest in [0, 1, 8190, 8191, 8192, 1 << 30, i32::MAX] {
-            let (mut coded, mut filter) = (Coded::<2>::new(), Filter::<2>::new());
+            let (coded, filter): (&mut Coded, &mut Filter) =
+                (&mut Coded::<Vec<i16, 2>>::new(), &mut Filter::<Vec<i32, 2>>::new());
             filter.restore(2, [largest, -largest].into_iter());
-            filter.code(&mut coded);
+            filter.code(coded);
             assert!(coded.numbers.iter().all(|coded| u32::from(coded.unsigned_abs()) <= LARGEST), "{largest}");
             assert!(coded.shift == 0 || coded.numbers[0] > 4000, "{largest}");
         }

@@ -30,7 +30,7 @@
 //! Cost: 410 products for each weight by default, and 578 in a step of a lock.
 
 use super::super::arithmetic::quotient;
-use super::super::constants::{CHANNELS, SPAN, WEIGHTS};
+use super::super::constants::{CHANNELS, SPAN};
 use super::super::features::{Extent, Grid};
 use super::correlation::{Coded, FeatureWindow, Filter, LARGEST, add_gradient, shift_below};
 use super::gaussian::Gaussian;
@@ -71,7 +71,7 @@ pub(crate) const fn most_work_of_a_piece(extent: Extent) -> u32 {
 }
 
 pub(crate) struct Training<'a> {
-    pub(crate) filter: &'a Filter<WEIGHTS>,
+    pub(crate) filter: &'a Filter,
     pub(crate) grid: &'a Grid,
     pub(crate) window: FeatureWindow<'a>,
     pub(crate) responses: &'a Responses,
@@ -79,21 +79,24 @@ pub(crate) struct Training<'a> {
 }
 
 /// Sums for all weights and for all offsets, and 16-bit errors. Other stages reuse this memory: see `run/buffers.rs`.
-pub(crate) struct Sums {
-    /// The gradient, in the unit of `coded_errors`. While responses are computed, scratch memory.
-    pub(crate) per_weight: [i32; WEIGHTS],
+/// `W` is an array, or by default a slice of one with a sum for each weight of any filter.
+pub(crate) struct Sums<W: ?Sized = [i32]> {
     /// In a learning step: errors before coding, in units of 1/16384; then scratch; then responses to the direction.
     pub(super) per_offset: [[i32; SPAN]; SPAN],
     /// Errors of the responses, in units of 2^`error_shift` / 16384.
     coded_errors: [[i16; SPAN]; SPAN],
+    /// The gradient, in the unit of `coded_errors`. While responses are computed, scratch memory.
+    pub(crate) per_weight: W,
+}
+
+impl<const N: usize> Sums<[i32; N]> {
+    #[inline(always)]
+    pub(crate) const fn new() -> Self {
+        Self { per_offset: [[0; SPAN]; SPAN], coded_errors: [[0; SPAN]; SPAN], per_weight: [0; N] }
+    }
 }
 
 impl Sums {
-    #[inline(always)]
-    pub(crate) const fn new() -> Self {
-        Self { per_weight: [0; WEIGHTS], per_offset: [[0; SPAN]; SPAN], coded_errors: [[0; SPAN]; SPAN] }
-    }
-
     /// Computes the errors, stores them in `coded_errors` (16 bits), clears the gradient. Returns `error_shift`.
     #[inline(never)]
     fn code_errors(&mut self, training: &Training<'_>, target: (i32, i32)) -> u32 {
@@ -123,7 +126,7 @@ impl Sums {
         training: &Training<'_>,
         error_shift: u32,
         descent_before: i64,
-        direction: &mut Coded<WEIGHTS>,
+        direction: &mut Coded,
     ) -> i64 {
         // Clears `per_offset`, until now scratch: `step_length` adds up all offsets, even those without a response.
         self.per_offset.as_flattened_mut().fill(0);
@@ -150,7 +153,7 @@ impl Sums {
 
     /// Applies a step to `responses`: subtracts `length` times the responses to `direction`. Overwrites `coded_errors`.
     #[inline(never)]
-    pub(crate) fn descend(&mut self, length: i64, direction: &Coded<WEIGHTS>, responses: &mut Responses) {
+    pub(crate) fn descend(&mut self, length: i64, direction: &Coded, responses: &mut Responses) {
         let numbers = ScaledSums::of(self.per_offset.as_flattened());
         let shift = shift_below(numbers.largest(), 32_767);
         let coded = self.coded_errors.as_flattened_mut();
@@ -275,7 +278,7 @@ impl Learning {
     pub(crate) fn next_piece(
         &mut self,
         training: &Training<'_>,
-        direction: &mut Coded<WEIGHTS>,
+        direction: &mut Coded,
         sums: &mut Sums,
         packed: &mut Packed,
         budget: &mut Budget,
@@ -325,14 +328,21 @@ mod tests {
     use super::super::response::layout;
     use super::*;
     use crate::kernels::Backend;
+    use heapless::Vec;
     use std::vec::Vec as Many;
+
+    const WEIGHTS: usize = 2000;
 
     /// Compares the coded direction with plain 64-bit sums, for steepest descent and then for a conjugate step.
     #[test]
     fn slopes_are_coded_in_any_unit() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
         let count = grid.weights();
-        let (mut filter, mut sums, mut direction) = (Filter::new(), Sums::new(), Coded::new());
+        let (filter, sums, direction): (&mut Filter, &mut Sums, &mut Coded) = (
+            &mut Filter::<Vec<i32, WEIGHTS>>::new(),
+            &mut Sums::<[i32; WEIGHTS]>::new(),
+            &mut Coded::<Vec<i16, WEIGHTS>>::new(),
+        );
         let responses = Responses::new();
         let mut state = 1_u32;
         let mut noise = |places: u32| {
@@ -344,7 +354,7 @@ mod tests {
         let cell = |at: usize| (at / CHANNELS % usize::from(grid.across), at / CHANNELS / usize::from(grid.across));
         let part = |(x, y)| (i64::from(across.at(from_middle(x)) * down.at(from_middle(y))) + 8192) >> 14;
         filter.start(count);
-        filter.code(&mut direction);
+        filter.code(direction);
         let mut descent = 0;
         for (of_weight, of_sum) in
             [(0, 0), (1, 0), (3, 1), (9, 3), (12, 8), (18, 12), (24, 20), (28, 28), (0, 28), (28, 0), (0, 0), (28, 28)]
@@ -371,8 +381,8 @@ mod tests {
                 let old: Many<i16> = direction.numbers().to_vec();
                 let window = FeatureWindow { cells: &[], layout: layout(&grid, SPAN) };
                 let products = Products::new(Backend::Scalar);
-                let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
-                descent = sums.code_direction(&training, shift, before, &mut direction);
+                let training = Training { filter, grid: &grid, window, responses: &responses, products };
+                descent = sums.code_direction(&training, shift, before, direction);
                 assert_eq!((descent, direction.shift()), (wanted, scale as u32), "{of_weight} {of_sum} {shift}");
                 for ((&number, masked), old) in direction.numbers().iter().zip(masked).zip(old) {
                     let exact = masked as f64 + beta * f64::from(old) / 65_536.0;
@@ -386,11 +396,12 @@ mod tests {
     /// Checks that the numbers of a direction stay within +-8191 with the largest beta and with sums of up to +-2047.
     #[test]
     fn a_direction_stays_a_code() {
-        let (mut direction, mut filter) = (Coded::<2>::new(), Filter::<2>::new());
+        let (direction, filter): (&mut Coded, &mut Filter) =
+            (&mut Coded::<Vec<i16, 2>>::new(), &mut Filter::<Vec<i32, 2>>::new());
         for (sums, numbers) in [([2047, -2047], [8190, -8191]), ([2047, 2047], [-4096, 8190]), ([-2047, 0], [-8191, 1])]
         {
             filter.restore(2, numbers.into_iter());
-            filter.code(&mut direction);
+            filter.code(direction);
             direction.set_direction(&sums, 0, i64::MAX);
             assert!(direction.numbers().iter().all(|number| u32::from(number.unsigned_abs()) <= LARGEST));
         }
@@ -398,13 +409,14 @@ mod tests {
 
     #[test]
     fn responses_follow_a_step_of_any_length() {
-        let (mut direction, mut filter, mut sums) = (Coded::new(), Filter::new(), Sums::new());
+        let (direction, filter, sums): (&mut Coded, &mut Filter, &mut Sums) =
+            (&mut Coded::<Vec<i16, 1>>::new(), &mut Filter::<Vec<i32, 1>>::new(), &mut Sums::<[i32; 1]>::new());
         for (length, change) in [(0, 0), (1 << 46, i32::MAX), ((1 << 47) - 1, i32::MIN), (1 << 30, 1 << 24)] {
             filter.restore(1, [i32::MAX].into_iter());
-            filter.code(&mut direction);
+            filter.code(direction);
             let mut responses = Responses { span: SPAN, rows: [[-5; SPAN]; SPAN] };
             sums.per_offset = [[change; SPAN]; SPAN];
-            sums.descend(length, &direction, &mut responses);
+            sums.descend(length, direction, &mut responses);
             let exact = -5.0 - length as f64 * f64::from(change) * 2_f64.powi(direction.shift() as i32 - 60);
             let exact = if exact.abs() < 2_f64.powi(31) { exact } else { -5.0 };
             assert!(
@@ -420,17 +432,18 @@ mod tests {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
         let cells: Many<i8> =
             (0..24 * 24 * CHANNELS as u32).map(|at| (at.wrapping_mul(40_503) >> 3) as u8 as i8).collect();
-        let mut filter = Filter::new();
+        let filter: &mut Filter = &mut Filter::<Vec<i32, WEIGHTS>>::new();
         filter.start(grid.weights());
         let window = FeatureWindow { cells: &cells, layout: layout(&grid, SMALL) };
         let responses = Responses { span: SMALL, ..Responses::new() };
         let products = Products::new(Backend::Scalar);
-        let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
+        let training = Training { filter, grid: &grid, window, responses: &responses, products };
         let length = |left: i32| {
-            let (mut sums, mut direction) = (Sums::new(), Coded::new());
+            let (sums, direction): (&mut Sums, &mut Coded) =
+                (&mut Sums::<[i32; WEIGHTS]>::new(), &mut Coded::<Vec<i16, WEIGHTS>>::new());
             let (mut packed, mut budget, mut learning) = (Packed::new(), Budget::NOTHING, Learning::begin((0, 0), 160));
             loop {
-                let length = learning.next_piece(&training, &mut direction, &mut sums, &mut packed, &mut budget);
+                let length = learning.next_piece(&training, direction, sums, &mut packed, &mut budget);
                 if let Some(length) = length {
                     return length;
                 }

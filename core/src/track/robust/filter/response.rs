@@ -16,7 +16,7 @@
 //! Cost: one product for each weight and offset, by default 289 for each weight.
 
 use super::super::arithmetic::quotient;
-use super::super::constants::{CHANNELS, SPAN, WEIGHTS};
+use super::super::constants::{CHANNELS, SPAN};
 use super::super::features::{Extent, Grid};
 use super::correlation::{Coded, FeatureWindow};
 use crate::kernels::{Layout, Packed, Products};
@@ -79,7 +79,7 @@ impl Responses {
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn compute(
         &mut self,
-        weights: &Coded<WEIGHTS>,
+        weights: &Coded,
         products: Products,
         packed: &mut Packed,
         spare: &mut [i32],

@@ -10,7 +10,7 @@
 //! small windows of features, and 3 products for each weight.
 
 use super::super::arithmetic::quotient;
-use super::super::constants::{CHANNELS, MAX_CELLS, MAX_SIDE, SCALE, SCALE_REACH, WEIGHTS};
+use super::super::constants::{CHANNELS, Limits, MAX_SIDE, SCALE, SCALE_REACH};
 use super::super::features::{Extent, Extractor, Grid, Lattice, Place, cells};
 use super::correlation::{Coded, FeatureWindow};
 use super::learning::Sums;
@@ -18,7 +18,7 @@ use super::response::{self, layout, peak};
 use crate::image::{Frame, Rect};
 use crate::kernels::Products;
 use crate::track::update::Budget;
-use heapless::Vec;
+use heapless::VecView;
 
 /// The ratio of neighbouring scales, in units of 1/65536: 1.02. At 1.04, the success rate R is lower by 0.063 +- 0.023.
 const SCALE_STEP: i64 = 66_847;
@@ -29,11 +29,6 @@ const SCALE_PENALTY: i64 = 252;
 const MIN_SCALE: u32 = SCALE / 5;
 const MAX_SCALE: u32 = 5 * SCALE;
 
-/// Size of the largest window of features, in bytes: the cells of the largest filter, and a margin, which has the most
-/// cells around the longest filter.
-const CELLS: usize = (MAX_CELLS
-    + 2 * SCALE_REACH as usize * (MAX_SIDE as usize + MAX_CELLS / MAX_SIDE as usize + 2 * SCALE_REACH as usize))
-    * CHANNELS;
 const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;
 
 pub(crate) const fn most_work(extent: Extent) -> u32 {
@@ -45,7 +40,12 @@ pub(crate) const fn most_work_of_a_piece(extent: Extent) -> u32 {
     response::most_work(extent.with_reach(SCALE_REACH))
 }
 
-pub(crate) type Cells = Vec<i8, CELLS>;
+/// Size of the largest window of features, in bytes: the cells of the largest filter, and a margin, which has the most
+/// cells around the longest filter.
+pub(crate) const fn most_bytes(Limits { cells, .. }: Limits) -> usize {
+    let (margin, sides) = (2 * SCALE_REACH, MAX_SIDE + cells / MAX_SIDE);
+    (cells + margin * (sides + margin)) as usize * CHANNELS
+}
 
 #[derive(Clone, Copy)]
 pub(crate) struct ScaleSearch {
@@ -62,13 +62,13 @@ pub(crate) struct ScaleSearch {
 pub(crate) struct Tools<'a> {
     pub(crate) grid: &'a Grid,
     pub(crate) bounds: Rect,
-    pub(crate) weights: &'a Coded<WEIGHTS>,
+    pub(crate) weights: &'a Coded,
     pub(crate) products: Products,
 }
 
 pub(crate) struct Borrowed<'a> {
     pub(crate) extractor: &'a mut Extractor,
-    pub(crate) cells: &'a mut Cells,
+    pub(crate) cells: &'a mut VecView<i8>,
     pub(crate) sums: &'a mut Sums,
 }
 

@@ -12,7 +12,7 @@ use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::{rolled, root};
 use crate::track::saved::{Reader, Writer};
 use crate::track::update::{Budget, units};
-use heapless::Vec;
+use heapless::{Vec, VecView};
 
 pub(super) const SIDE: usize = ROWS as usize;
 /// `SIDE` in the type of a lattice's columns and rows.
@@ -158,11 +158,11 @@ pub(crate) struct FirstCrop(Crop);
 
 impl FirstCrop {
     /// Begins to sample the crop of the box `target` into `bytes`.
-    pub(crate) fn begin<const N: usize>(
+    pub(crate) fn begin(
         target: FineRect,
         bounds: Rect,
         sampling: &mut Sampling,
-        bytes: &mut Vec<i8, N>,
+        bytes: &mut VecView<i8>,
     ) -> Option<Self> {
         // Cannot fail: the memory has room for the features at one scale, which take more bytes than a crop.
         let _ = bytes.resize_default(SAMPLES);

@@ -36,7 +36,7 @@ use crate::track::saved::{Reader, Writer};
 use crate::track::update::Budget;
 use correction::Correction;
 use crop::Crop;
-use heapless::Vec;
+use heapless::VecView;
 use identity::Identity;
 pub(super) use network::Outputs;
 use network::{Layers, ROOM};
@@ -128,11 +128,11 @@ pub(super) enum Refiner {
 impl Refiner {
     /// Begins with the crop of the box `target`. `bytes` become the memory of patches and layers.
     #[inline(always)] // its only caller is a function that is not inlined
-    pub(super) fn begin<const N: usize>(
+    pub(super) fn begin(
         target: FineRect,
         bounds: Rect,
         sampling: &mut Sampling,
-        bytes: &mut Vec<i8, N>,
+        bytes: &mut VecView<i8>,
     ) -> Option<Self> {
         bytes.clear();
         // Cannot fail: `bytes` has room for the features of a search window, which take more memory than `ROOM`.

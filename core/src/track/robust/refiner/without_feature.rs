@@ -7,7 +7,7 @@ use crate::kernels::Backend;
 use crate::track::State;
 use crate::track::saved::{Reader, Writer};
 use crate::track::update::Budget;
-use heapless::Vec;
+use heapless::VecView;
 
 pub(super) const SAVED: usize = 0;
 pub(super) const CROP_WORK: u32 = 0;
@@ -83,7 +83,7 @@ pub(super) enum Refiner {}
 pub(super) use Refiner as FirstCrop;
 
 impl Refiner {
-    pub(super) fn begin<const N: usize>(_: FineRect, _: Rect, _: &mut Sampling, _: &mut Vec<i8, N>) -> Option<Self> {
+    pub(super) fn begin(_: FineRect, _: Rect, _: &mut Sampling, _: &mut VecView<i8>) -> Option<Self> {
         None
     }
 

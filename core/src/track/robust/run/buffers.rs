@@ -16,32 +16,55 @@
 //! Redetection and the refiner overwrite what learning reads, so they come after it. Redetection codes the weights again
 //! if the refiner has refused a frame that was learned.
 
-use super::super::constants::{CHANNELS, MAX_CELLS, MAX_SIDE, REACH, WEIGHTS};
+use super::super::constants::{CHANNELS, Limits, MAX_SIDE};
 use super::super::features::Extractor;
-use super::super::filter::{Coded, Responses, Sums, scale};
-use super::super::verification::Comparison;
-use heapless::Vec;
+use super::super::filter::{Coded, Responses, Sums};
+use super::super::verification::{Comparison, Measures};
+use heapless::{Vec, VecView};
 
 /// Bytes of the largest search window: that of the longest filter, whose margin has the most cells.
-const LARGE: usize = (MAX_SIDE + 2 * REACH) as usize * (MAX_CELLS / MAX_SIDE as usize + 2 * REACH as usize) * CHANNELS;
-
-/// The scratch memory of the stages. The table of the [module](self) has the uses of each field.
-// Keep this order: vectors after fields with padding. Otherwise an unoptimised build builds the value on the stack.
-#[repr(C)]
-pub(crate) struct Buffers {
-    /// The features of a search window, or the refiner's patches and layers.
-    pub(crate) large: Vec<i8, LARGE>,
-    pub(crate) responses: Responses,
-    /// The filter's coded weights, or the direction of the present step of learning.
-    pub(crate) coded: Coded<WEIGHTS>,
-    pub(crate) sums: Sums,
-    /// The features at one scale, or the refiner's crop of the first frame.
-    pub(crate) small: scale::Cells,
-    pub(crate) extractor: Extractor,
-    pub(crate) comparison: Comparison,
+pub(super) const fn most_bytes(Limits { cells, reach, .. }: Limits) -> usize {
+    (MAX_SIDE + 2 * reach) as usize * (cells / MAX_SIDE + 2 * reach) as usize * CHANNELS
 }
 
-impl Buffers {
+/// The scratch memory of the stages, of any size. The table of the [module](self) has the uses of each field.
+pub(crate) struct Buffers<'a> {
+    /// The features of a search window, or the refiner's patches and layers.
+    pub(crate) large: &'a mut VecView<i8>,
+    pub(crate) responses: &'a mut Responses,
+    /// The filter's coded weights, or the direction of the present step of learning.
+    pub(crate) coded: &'a mut Coded,
+    pub(crate) sums: &'a mut Sums,
+    /// The features at one scale, or the refiner's crop of the first frame.
+    pub(crate) small: &'a mut VecView<i8>,
+    pub(crate) extractor: &'a mut Extractor,
+    pub(crate) comparison: Comparison<'a>,
+}
+
+/// The memory behind [`Buffers`], in vectors of one size.
+// Keep this order: vectors after fields with padding. Otherwise an unoptimised build builds the value on the stack.
+#[repr(C)]
+pub(crate) struct Scratch<
+    const WEIGHTS: usize,
+    const PIXELS: usize,
+    const LARGE: usize,
+    const SMALL: usize,
+    const VIEW: usize,
+> {
+    large: Vec<i8, LARGE>,
+    responses: Responses,
+    coded: Coded<Vec<i16, WEIGHTS>>,
+    sums: Sums<[i32; WEIGHTS]>,
+    small: Vec<i8, SMALL>,
+    extractor: Extractor,
+    measures: Measures,
+    view: Vec<u8, VIEW>,
+    relit: Vec<u8, PIXELS>,
+}
+
+impl<const WEIGHTS: usize, const PIXELS: usize, const LARGE: usize, const SMALL: usize, const VIEW: usize>
+    Scratch<WEIGHTS, PIXELS, LARGE, SMALL, VIEW>
+{
     #[inline(always)]
     pub(crate) const fn new() -> Self {
         // A constant, so that the extractor is not built on the stack.
@@ -52,7 +75,14 @@ impl Buffers {
             small: Vec::new(),
             coded: Coded::new(),
             sums: Sums::new(),
-            comparison: Comparison::new(),
+            measures: Measures::new(),
+            view: Vec::new(),
+            relit: Vec::new(),
         }
+    }
+
+    pub(crate) fn buffers(&mut self) -> Buffers<'_> {
+        let Self { large, responses, coded, sums, small, extractor, measures, view, relit } = self;
+        Buffers { large, responses, coded, sums, small, extractor, comparison: Comparison { measures, view, relit } }
     }
 }

@@ -13,33 +13,39 @@ use crate::track::update::Budget;
 /// filter's weights.
 pub(crate) struct Inputs<'a> {
     pub(crate) config: &'a Config,
-    pub(crate) memory: &'a Memory,
+    pub(crate) memory: Memory<'a>,
     /// The track at the end of the last frame.
     pub(crate) track: &'a Track,
 }
 
 impl Inputs<'_> {
     #[inline(never)]
-    pub(super) fn begin_features(&self, centre: &Place, reach: u16, buffers: &mut Buffers) {
+    pub(super) fn begin_features(&self, centre: &Place, reach: u16, buffers: &mut Buffers<'_>) {
         let lattice = Lattice::search_window(centre, &self.track.grid, reach);
-        buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.large);
+        buffers.extractor.begin(self.track.bounds, &lattice, buffers.large);
     }
 
     /// Measures the search window's contrast from its features, and predicts the gain of the target's contrast from it.
     #[inline(never)]
-    pub(super) fn measure_light(&self, buffers: &mut Buffers, budget: &mut Budget) {
-        buffers.comparison.expect(self.track.light, window_contrast(&buffers.large));
-        budget.spend(measuring(&buffers.large));
+    pub(super) fn measure_light(&self, buffers: &mut Buffers<'_>, budget: &mut Budget) {
+        buffers.comparison.expect(self.track.light, window_contrast(buffers.large));
+        budget.spend(measuring(buffers.large));
     }
 
-    pub(crate) fn begin_view(&self, place: &Place, buffers: &mut Buffers) {
+    pub(crate) fn begin_view(&self, place: &Place, buffers: &mut Buffers<'_>) {
         let Buffers { extractor, comparison, .. } = buffers;
         comparison.begin_view(place, &self.track.grid, self.track.bounds, extractor.sampling());
     }
 
     /// Computes the next piece of the responses. True after the last piece.
     #[inline(never)]
-    pub(crate) fn respond(&self, piece: &mut usize, reach: u16, buffers: &mut Buffers, budget: &mut Budget) -> bool {
+    pub(crate) fn respond(
+        &self,
+        piece: &mut usize,
+        reach: u16,
+        buffers: &mut Buffers<'_>,
+        budget: &mut Budget,
+    ) -> bool {
         let Buffers { extractor, large, coded, responses, sums, .. } = buffers;
         let (window, spare) = (self.window(large, reach), &mut sums.per_weight);
         let done = responses.compute(coded, self.products(), extractor.lend_sums(), spare, window, *piece, budget);
@@ -53,12 +59,12 @@ impl Inputs<'_> {
         &self,
         learning: &mut Learning,
         reach: u16,
-        buffers: &mut Buffers,
+        buffers: &mut Buffers<'_>,
         budget: &mut Budget,
     ) -> Option<i64> {
         let Buffers { large, responses, extractor, coded, sums, .. } = buffers;
         let training = Training {
-            filter: &self.memory.filter,
+            filter: self.memory.filter,
             grid: &self.track.grid,
             window: self.window(large, reach),
             responses,
@@ -68,7 +74,7 @@ impl Inputs<'_> {
     }
 
     pub(crate) fn early(&self) -> Early<'_> {
-        Early { config: self.config, template: &self.memory.template, grid: &self.track.grid }
+        Early { config: self.config, template: self.memory.template, grid: &self.track.grid }
     }
 
     /// The features of a search window of radius `reach`.

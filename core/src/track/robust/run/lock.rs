@@ -9,7 +9,7 @@
 
 use super::super::config::Config;
 use super::super::constants::ONE_GAIN;
-use super::super::decision::{Memory, Track};
+use super::super::decision::{Memory, MemoryMut, Track};
 use super::super::filter::{CODED, Learning};
 use super::super::refiner::FirstCrop;
 use super::super::verification::{Light, measuring, window_contrast};
@@ -43,10 +43,10 @@ pub(crate) struct LockPipeline {
 }
 
 impl LockPipeline {
-    pub(crate) fn begin(track: Track, config: &Config, memory: &mut Memory, buffers: &mut Buffers) -> Self {
-        memory.track = None;
+    pub(crate) fn begin(track: Track, config: &Config, memory: &mut MemoryMut<'_>, buffers: &mut Buffers<'_>) -> Self {
+        *memory.track = None;
         memory.filter.start(track.grid.weights());
-        memory.filter.code(&mut buffers.coded);
+        memory.filter.code(buffers.coded);
         let mut lock = Self { stage: Stage::Done, track, steps_left: FIRST_STEPS };
         let Buffers { extractor, small, .. } = buffers;
         if config.refines()
@@ -54,7 +54,7 @@ impl LockPipeline {
         {
             lock.stage = Stage::FirstCrop(crop);
         } else {
-            lock.begin_template(config, memory, buffers);
+            lock.begin_template(config, memory.shared(), buffers);
         }
         lock
     }
@@ -62,8 +62,8 @@ impl LockPipeline {
     /// Runs pieces of work until the grant is spent. True if no stage remains.
     pub(crate) fn step(
         &mut self,
-        (config, memory): (&Config, &mut Memory),
-        buffers: &mut Buffers,
+        (config, memory): (&Config, &mut MemoryMut<'_>),
+        buffers: &mut Buffers<'_>,
         budget: &mut Budget,
         frame: &Frame<'_>,
     ) -> bool {
@@ -81,18 +81,18 @@ impl LockPipeline {
     #[inline(never)] // keeps its stack out of `step`
     fn next_piece(
         &mut self,
-        (config, memory): (&Config, &mut Memory),
-        buffers: &mut Buffers,
+        (config, memory): (&Config, &mut MemoryMut<'_>),
+        buffers: &mut Buffers<'_>,
         budget: &mut Budget,
         frame: &Frame<'_>,
     ) {
-        let inputs = Inputs { config, memory, track: &self.track };
+        let inputs = Inputs { config, memory: memory.shared(), track: &self.track };
         match &mut self.stage {
             Stage::Done => {}
             Stage::FirstCrop(crop) => {
                 let Buffers { extractor, small, .. } = buffers;
                 if crop.next_row(frame, extractor.sampling(), small, budget) {
-                    self.begin_template(config, memory, buffers);
+                    self.begin_template(config, memory.shared(), buffers);
                 }
             }
             Stage::Template => {
@@ -103,7 +103,7 @@ impl LockPipeline {
                 }
             }
             Stage::Features => {
-                if buffers.extractor.next_row(frame, &mut buffers.large, budget) {
+                if buffers.extractor.next_row(frame, buffers.large, budget) {
                     self.measure_light(buffers, budget);
                     // The responses are 0, because all weights are 0.
                     buffers.responses.clear(config.span());
@@ -119,20 +119,20 @@ impl LockPipeline {
     }
 
     #[inline(never)]
-    fn begin_template(&mut self, config: &Config, memory: &Memory, buffers: &mut Buffers) {
+    fn begin_template(&mut self, config: &Config, memory: Memory<'_>, buffers: &mut Buffers<'_>) {
         let inputs = Inputs { config, memory, track: &self.track };
         inputs.begin_view(&self.track.motion.place, buffers);
         self.stage = Stage::Template;
     }
 
     /// Measures the light (gain divided by window contrast) at the lock, where the gain is 1 by definition.
-    fn measure_light(&mut self, buffers: &Buffers, budget: &mut Budget) {
-        self.track.light = Light::of(ONE_GAIN, window_contrast(&buffers.large));
-        budget.spend(measuring(&buffers.large));
+    fn measure_light(&mut self, buffers: &Buffers<'_>, budget: &mut Budget) {
+        self.track.light = Light::of(ONE_GAIN, window_contrast(buffers.large));
+        budget.spend(measuring(buffers.large));
     }
 
-    fn learned(&mut self, length: i64, memory: &mut Memory, buffers: &mut Buffers, budget: &mut Budget) {
-        memory.filter.descend(length, &buffers.coded);
+    fn learned(&mut self, length: i64, memory: &mut MemoryMut<'_>, buffers: &mut Buffers<'_>, budget: &mut Budget) {
+        memory.filter.descend(length, buffers.coded);
         let Buffers { responses, sums, coded, .. } = buffers;
         sums.descend(length, coded, responses);
         budget.spend(CODED * units(responses.span.pow(2)));
@@ -143,7 +143,7 @@ impl LockPipeline {
     }
 
     /// Sets template and track. Returns how distinct the target is.
-    pub(crate) fn commit(&self, config: &Config, memory: &mut Memory, buffers: &mut Buffers) -> Quality {
+    pub(crate) fn commit(&self, config: &Config, memory: &mut MemoryMut<'_>, buffers: &mut Buffers<'_>) -> Quality {
         let Buffers { comparison, small, .. } = buffers;
         let mut track = self.track;
         comparison.table_mut().set(config.table, QUALITY_ALPHA);
@@ -154,7 +154,7 @@ impl LockPipeline {
         if config.refines() {
             memory.first.keep(small);
         }
-        memory.track = Some(track);
+        *memory.track = Some(track);
         track.quality
     }
 }

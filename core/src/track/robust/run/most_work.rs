@@ -2,12 +2,13 @@
 //! file. A unit of work is about one instruction of a Cortex-M4: a product of weight and feature, or a pixel read.
 
 use super::super::config::Config;
-use super::super::constants::{MAX_CELLS, MAX_SIDE};
+use super::super::constants::{Limits, MAX_SIDE};
 use super::super::features::{Extent, cells};
 use super::super::filter::{CODED, learning, response, scale};
 use super::super::refiner;
 use super::super::verification::{COPIED, REFINED, agreement, lighting};
 use super::lock::FIRST_STEPS;
+use super::size::{Size, Standard};
 use crate::track::MostWork;
 use crate::track::update::largest;
 
@@ -52,8 +53,16 @@ const fn piece(extent: Extent) -> u32 {
     ])
 }
 
+/// The search window of the filter of this width with the most rows, because more rows are more work.
+const fn tallest(config: &Config, across: u32, limits: Limits) -> Extent {
+    let down = limits.cells as u32 / across;
+    let down = if down < MAX_SIDE as u32 { down } else { MAX_SIDE as u32 };
+    Extent { across, down, reach: config.reach as u32, most_pixels: limits.pixels as u32 }
+}
+
 impl Config {
-    /// Upper bounds of the work of an update, a lock and a step, for any frames and any target.
+    /// Upper bounds of the work of an update, a lock and a step, for any frames and any target, in a tracker of the
+    /// [`Standard`] size. A smaller one does less: see [`Config::most_work_of`].
     ///
     /// ```
     /// use smr_core::robust::Config;
@@ -61,15 +70,23 @@ impl Config {
     /// assert!(MAX.update < 13_800_000 && MAX.lock < 11_100_000 && MAX.beyond_a_step == 128_000, "{MAX:?}");
     /// ```
     #[must_use]
-    #[allow(clippy::cast_possible_truncation)] // a filter has at most 200 cells
     pub const fn most_work(&self) -> MostWork {
+        self.most_work_of::<Standard>()
+    }
+
+    /// [`Config::most_work`] of a tracker of size `S`.
+    ///
+    /// ```
+    /// use smr_core::robust::{Config, Small};
+    /// const MAX: smr_core::MostWork = Config::robust().within::<Small>().most_work_of::<Small>();
+    /// assert!(MAX.update < 11_000_000 && MAX.lock < 7_600_000 && MAX.beyond_a_step < 104_000, "{MAX:?}");
+    /// ```
+    #[must_use]
+    pub const fn most_work_of<S: Size>(&self) -> MostWork {
         let mut most = MostWork { update: 0, lock: 0, beyond_a_step: 0 };
         let mut across = 1;
         while across <= MAX_SIDE as u32 {
-            // The largest count of rows for a filter of this width, because more rows are more work.
-            let down = MAX_CELLS as u32 / across;
-            let down = if down < MAX_SIDE as u32 { down } else { MAX_SIDE as u32 };
-            let extent = Extent { across, down, reach: self.reach as u32 };
+            let extent = tallest(self, across, S::LIMITS);
             let (update, lock) = (update(self, extent) as u64, lock(self, extent) as u64);
             most.update = if update > most.update { update } else { most.update };
             most.lock = if lock > most.lock { lock } else { most.lock };
@@ -89,10 +106,7 @@ mod tests {
     #[test]
     fn the_drawing_has_the_work_of_each_stage() {
         let config = Config::robust();
-        let extents = (1..=MAX_SIDE as u32).map(|across| {
-            let down = (MAX_CELLS as u32 / across).min(MAX_SIDE as u32);
-            Extent { across, down, reach: config.reach.into() }
-        });
+        let extents = (1..=MAX_SIDE.into()).map(|across| tallest(&config, across, Limits::STANDARD));
         let extent = extents.max_by_key(|&extent| update(&config, extent)).unwrap();
         assert_eq!(u64::from(update(&config, extent)), config.most_work().update);
         assert_eq!(Config { sweep: u8::MAX, ..config }.most_work().update, 658_990_060, "the most fits a u32");

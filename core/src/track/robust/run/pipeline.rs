@@ -16,7 +16,7 @@ use super::super::config::Config;
 use super::super::constants::CELL;
 #[cfg(feature = "unstable")]
 use super::super::constants::SPAN;
-use super::super::decision::{Calm, Confidence, Doubt, Evidence, Memory, Track};
+use super::super::decision::{Calm, Confidence, Doubt, Evidence, MemoryMut, Track};
 #[cfg(feature = "unstable")]
 use super::super::features::Lattice;
 use super::super::features::{Grid, Motion, Place};
@@ -67,9 +67,9 @@ pub(crate) struct Pipeline {
 }
 
 impl Pipeline {
-    pub(crate) fn begin(inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) -> Self {
+    pub(crate) fn begin(inputs: &Inputs<'_>, buffers: &mut Buffers<'_>, budget: &mut Budget) -> Self {
         let grid = &inputs.track.grid;
-        inputs.memory.filter.code(&mut buffers.coded);
+        inputs.memory.filter.code(buffers.coded);
         buffers.comparison.begin(&inputs.early());
         budget.spend(CODED * grid.work_on_weights() + COPIED * grid.pixels());
         let centre = expected(inputs.track);
@@ -96,7 +96,7 @@ impl Pipeline {
     pub(crate) fn step(
         &mut self,
         inputs: &Inputs<'_>,
-        buffers: &mut Buffers,
+        buffers: &mut Buffers<'_>,
         budget: &mut Budget,
         frame: &Frame<'_>,
     ) -> bool {
@@ -112,11 +112,11 @@ impl Pipeline {
     }
 
     /// Runs one indivisible piece of work. Calls functions that are not inlined to begin a stage, to save stack here.
-    fn next_piece(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
+    fn next_piece(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers<'_>, budget: &mut Budget, frame: &Frame<'_>) {
         match &mut self.stage {
             Stage::Done => {}
             Stage::Features => {
-                if buffers.extractor.next_row(frame, &mut buffers.large, budget) {
+                if buffers.extractor.next_row(frame, buffers.large, budget) {
                     inputs.measure_light(buffers, budget);
                     self.stage = Stage::Response(0);
                 }
@@ -139,9 +139,8 @@ impl Pipeline {
                 }
             }
             Stage::Refinement(_) => self.refine(inputs, buffers, budget),
-            Stage::Scale(search) => {
-                let (tools, mut borrowed) = scale_search(inputs, buffers);
-                if let Some(scale) = search.next_piece(&tools, frame, &mut borrowed, budget) {
+            Stage::Scale(_) => {
+                if let Some(scale) = self.next_scale(inputs, buffers, budget, frame) {
                     self.scaled(inputs, scale, buffers, budget);
                 }
             }
@@ -155,7 +154,7 @@ impl Pipeline {
             }
             Stage::Refiner(refiner, _) => {
                 let Buffers { extractor, large, .. } = buffers;
-                let (backend, first) = (inputs.config.backend(), &inputs.memory.first);
+                let (backend, first) = (inputs.config.backend(), inputs.memory.first);
                 let estimate = refiner.next_piece(backend, frame, first, extractor.sampling(), large, budget);
                 if let Some(estimate) = estimate {
                     self.judge(inputs, &estimate, buffers, budget);
@@ -165,7 +164,7 @@ impl Pipeline {
     }
 
     #[inline(never)] // see `next_piece`
-    fn verify(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
+    fn verify(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers<'_>) {
         let Track { grid, bounds, .. } = inputs.track;
         let peak = buffers.responses.peak(true);
         // A peak is in units of 1/256 cell, which is 1/64 pixel of the grid.
@@ -177,7 +176,7 @@ impl Pipeline {
 
     /// Refines the verified candidate. Begins the scale search, unless refinement gave the scale or the size is fixed.
     #[inline(never)] // see `next_piece`
-    fn refine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) {
+    fn refine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers<'_>, budget: &mut Budget) {
         let Stage::Refinement(Verified { mut candidate, alignment }) = self.stage else { return };
         let Track { grid, bounds, .. } = inputs.track;
         let comparison = &buffers.comparison;
@@ -201,9 +200,23 @@ impl Pipeline {
         }
     }
 
+    /// Runs one piece of the scale search. Returns the best scale after the last piece.
+    #[inline(never)] // see `next_piece`
+    fn next_scale(
+        &mut self,
+        inputs: &Inputs<'_>,
+        buffers: &mut Buffers<'_>,
+        budget: &mut Budget,
+        frame: &Frame<'_>,
+    ) -> Option<u32> {
+        let Stage::Scale(search) = &mut self.stage else { return None };
+        let (tools, mut borrowed) = scale_search(inputs, buffers);
+        search.next_piece(&tools, frame, &mut borrowed, budget)
+    }
+
     /// Sets the candidate's scale. Place and scale are now final, so learning or the refiner can begin.
     #[inline(never)] // see `next_piece`
-    fn scaled(&mut self, inputs: &Inputs<'_>, scale: u32, buffers: &mut Buffers, budget: &mut Budget) {
+    fn scaled(&mut self, inputs: &Inputs<'_>, scale: u32, buffers: &mut Buffers<'_>, budget: &mut Budget) {
         let Self { track, candidate, .. } = self;
         candidate.place.scale = scale;
         let evidence = Evidence::of(candidate);
@@ -220,7 +233,7 @@ impl Pipeline {
 
     /// Begins the refiner, or decides at once: without the refiner, if the early template gave the exact place and size,
     /// or if the patch cannot show the target.
-    fn examine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) {
+    fn examine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers<'_>, budget: &mut Budget) {
         let candidate = self.candidate;
         if inputs.config.refines() && candidate.visible && !candidate.is_exact() {
             self.begin_refiner(candidate, buffers);
@@ -231,7 +244,13 @@ impl Pipeline {
 
     /// Decides the state, and whether to learn or to redetect. `estimate` is the refiner's, if it ran.
     #[inline(never)] // see `next_piece`
-    fn decide(&mut self, inputs: &Inputs<'_>, estimate: Option<&Outputs>, buffers: &mut Buffers, budget: &mut Budget) {
+    fn decide(
+        &mut self,
+        inputs: &Inputs<'_>,
+        estimate: Option<&Outputs>,
+        buffers: &mut Buffers<'_>,
+        budget: &mut Budget,
+    ) {
         let (config, candidate) = (inputs.config, self.candidate);
         let track = &mut self.track;
         self.stage = Stage::Done;
@@ -256,7 +275,7 @@ impl Pipeline {
         let refused = config.refines() && (is_lost || !evidence.may_be_learned());
         if refused && self.learned.take().is_some() {
             // Learning has replaced the coded weights, which redetection needs.
-            inputs.memory.filter.code(&mut buffers.coded);
+            inputs.memory.filter.code(buffers.coded);
             budget.spend(CODED * track.grid.work_on_weights());
         }
         if is_lost {
@@ -272,7 +291,7 @@ impl Pipeline {
     }
 
     #[inline(never)] // see `next_piece`
-    fn search_window(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
+    fn search_window(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers<'_>) {
         self.stage = Stage::Done;
         if let Some(left @ 1..) = self.redetects {
             let (centre, is_last) = next_sweep_window(inputs.track, inputs.config, self.track.sweep);
@@ -286,7 +305,7 @@ impl Pipeline {
     /// Accepts the candidate of a window of the sweep if its evidence suffices, with the refiner only after a run of the
     /// network. Otherwise begins the next window.
     #[inline(never)] // see `next_piece`
-    fn redetect(&mut self, inputs: &Inputs<'_>, candidate: Candidate, buffers: &mut Buffers) {
+    fn redetect(&mut self, inputs: &Inputs<'_>, candidate: Candidate, buffers: &mut Buffers<'_>) {
         self.stage = Stage::Sweep;
         if !Evidence::of(&candidate).finds(self.there, inputs.config) {
             return;
@@ -301,7 +320,7 @@ impl Pipeline {
     /// In redetection accepts the candidate if the network recognises the target in its box, or begins the next window.
     /// Otherwise decides the state.
     #[inline(never)] // see `next_piece`
-    fn judge(&mut self, inputs: &Inputs<'_>, estimate: &Outputs, buffers: &mut Buffers, budget: &mut Budget) {
+    fn judge(&mut self, inputs: &Inputs<'_>, estimate: &Outputs, buffers: &mut Buffers<'_>, budget: &mut Budget) {
         match self.stage {
             Stage::Refiner(_, candidate) if self.redetects.is_some() => {
                 self.stage = Stage::Sweep;
@@ -325,7 +344,7 @@ impl Pipeline {
 
     /// Begins the refiner at a candidate's box, in the memory of the features.
     #[inline(never)] // see `next_piece`
-    fn begin_refiner(&mut self, candidate: Candidate, buffers: &mut Buffers) {
+    fn begin_refiner(&mut self, candidate: Candidate, buffers: &mut Buffers<'_>) {
         let Self { track, .. } = self;
         let Buffers { extractor, large, .. } = buffers;
         let target = track.corrected(candidate.place);
@@ -334,22 +353,22 @@ impl Pipeline {
         }
     }
 
-    pub(crate) fn commit(&mut self, config: &Config, memory: &mut Memory, buffers: &Buffers) {
+    pub(crate) fn commit(&mut self, config: &Config, memory: &mut MemoryMut<'_>, buffers: &Buffers<'_>) {
         let Self { track, alignment, .. } = self;
         if let Some(length) = self.learned {
             let patch = buffers.comparison.patch(&track.grid, *alignment);
             patch.into_iter().for_each(|patch| memory.template.learn(patch, config.early_rate));
-            memory.filter.descend(length, &buffers.coded);
+            memory.filter.descend(length, buffers.coded);
             track.light = track.light.following(buffers.comparison.light());
         }
         if track.confidence.state(config) == State::Tracking {
             track.tracked_scale = track.motion.place.scale;
         }
-        memory.track = Some(*track);
+        *memory.track = Some(*track);
     }
 }
 
-fn scale_search<'a>(inputs: &Inputs<'a>, buffers: &'a mut Buffers) -> (Tools<'a>, Borrowed<'a>) {
+fn scale_search<'a>(inputs: &Inputs<'a>, buffers: &'a mut Buffers<'_>) -> (Tools<'a>, Borrowed<'a>) {
     let Buffers { extractor, small, coded, sums, .. } = buffers;
     let Track { grid, bounds, .. } = inputs.track;
     (
@@ -367,16 +386,16 @@ fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
 
 /// Computes the features of the next update's search window. False if a needed pixel is not in memory.
 #[cfg(feature = "unstable")]
-pub(crate) fn features(inputs: &Inputs<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
+pub(crate) fn features(inputs: &Inputs<'_>, buffers: &mut Buffers<'_>, frame: &Frame<'_>) -> bool {
     let place = expected(inputs.track);
     let lattice = Lattice::search_window(&place, &inputs.track.grid, inputs.track.reach(inputs.config));
-    buffers.extractor.features(frame, &lattice, &mut buffers.large)
+    buffers.extractor.features(frame, &lattice, buffers.large)
 }
 
 /// Computes the filter's responses to the features in `buffers`, without the penalty for distance.
 #[cfg(feature = "unstable")]
-pub(crate) fn responses(inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
-    inputs.memory.filter.code(&mut buffers.coded);
+pub(crate) fn responses(inputs: &Inputs<'_>, buffers: &mut Buffers<'_>, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
+    inputs.memory.filter.code(buffers.coded);
     buffers.responses.rows = [[0; SPAN]; SPAN];
     let mut piece = 0;
     while !inputs.respond(&mut piece, inputs.track.reach(inputs.config), buffers, budget) {}

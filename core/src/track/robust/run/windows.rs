@@ -1,7 +1,7 @@
 //! The search windows of an update, and the pixels of the frame that it may read for them.
 
 use super::super::config::Config;
-use super::super::constants::{CELL, MARGIN, SCALE_REACH};
+use super::super::constants::{CELL, Limits, MARGIN, SCALE_REACH};
 use super::super::decision::{Sweep, Track};
 use super::super::features::{Grid, Lattice, Place};
 use super::super::filter::other_scales;
@@ -64,11 +64,17 @@ pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
     Some(all).filter(|all| !all.is_empty())
 }
 
-/// The pixels that a lock reads: the search window around the box, and the refiner's crop (1.75 times the box).
-pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
-    let window = Lattice::search_window(&Place::of(target), &Grid::new(target), config.reach()).pixels(bounds);
+/// The pixels that a lock reads: the search window around the box, and the refiner's crop (1.75 times the box). Empty if
+/// the box is not in the frame.
+#[inline(never)]
+pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config, limits: Limits) -> Rect {
+    if !bounds.contains(target) {
+        return Rect::default();
+    }
+    let grid = Grid::within(limits, target);
+    let window = Lattice::search_window(&Place::of(target), &grid, config.reach()).pixels(bounds);
     if config.refines() {
-        return union(window, reachable(Track::new(bounds, target).box_at(Place::of(target)), 0, bounds));
+        return union(window, reachable(Track::new(bounds, target, limits).box_at(Place::of(target)), 0, bounds));
     }
     window
 }

@@ -13,7 +13,7 @@
 //! view, 32 instructions for each sample on the Cortex-M4.
 
 use super::super::config::Config;
-use super::super::constants::{CELL, MARGIN, MAX_PIXELS, MAX_SIDE};
+use super::super::constants::{CELL, Limits, MARGIN, MAX_SIDE};
 use super::super::features::{Extent, Grid, Lattice, Place, SAMPLED, Sampling, most_read};
 use super::coarse_alignment::{ALIGNMENTS, Alignment, Alignments, in_view};
 use super::lighting::{self, Light};
@@ -21,7 +21,7 @@ use super::template::Template;
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{Contrast, CutTable, Scorer};
 use crate::track::update::Budget;
-use heapless::Vec;
+use heapless::VecView;
 
 /// The least agreement with which the early template refines place and size, in units of 1/65535. Without refinement
 /// the success rate R is lower by 0.025 +- 0.013.
@@ -33,15 +33,17 @@ const TILES: u16 = 4;
 /// and raises the share of wrong frames that are *tracking* from 23 % to 66 %.
 const AGREEMENT_RANK: usize = 4;
 
-/// The number of pixels of the largest view: a template with `MARGIN` more pixels on each side. Among the templates of
-/// `MAX_PIXELS` pixels, the longest and narrowest needs the most pixels around it.
-const VIEW: usize =
-    (MAX_SIDE * CELL + 2 * MARGIN) as usize * (MAX_PIXELS.div_ceil((MAX_SIDE * CELL) as usize) + 2 * MARGIN as usize);
-
 /// Units of work to copy, compare or relight a pixel of the template.
 pub(crate) const COPIED: u32 = 16;
 const COMPARED: u32 = 12;
 const RELIT: u32 = 20;
+
+/// The number of pixels of the largest view: a template with `MARGIN` more pixels on each side. Among the templates of
+/// `pixels` pixels, the longest and narrowest needs the most pixels around it.
+pub(crate) const fn most_pixels_of_a_view(Limits { pixels, .. }: Limits) -> usize {
+    let longest = MAX_SIDE * CELL;
+    (longest + 2 * MARGIN) as usize * (pixels.div_ceil(longest) + 2 * MARGIN) as usize
+}
 
 pub(crate) const fn most_of_a_view(extent: Extent) -> u32 {
     // The template is at most as wide and as high as the filter.
@@ -91,10 +93,17 @@ impl Candidate {
     }
 }
 
-/// The state of the comparison. After verification, `view` holds the samples, `relit` the template in the light of the
-/// best alignment, and `table` the similarities for the alpha of the best alignment.
+/// The comparison with the template. After verification, `view` holds the samples, `relit` the template in the light of
+/// the best alignment, and `measures` the similarities for the alpha of the best alignment.
+pub(crate) struct Comparison<'a> {
+    pub(crate) measures: &'a mut Measures,
+    pub(crate) view: &'a mut VecView<u8>,
+    pub(crate) relit: &'a mut VecView<u8>,
+}
+
+/// What the comparison measures of template, patch and window.
 #[repr(C)] // the order of fields matters: see `run/buffers.rs`
-pub(crate) struct Comparison {
+pub(crate) struct Measures {
     table: CutTable,
     /// The contrast of the early template before relighting.
     contrast: Contrast,
@@ -103,86 +112,78 @@ pub(crate) struct Comparison {
     /// Gains of the target's contrast, in units of 1/256: predicted from the search window, and of the last relighting.
     expected: u32,
     gain: u32,
-    view: Vec<u8, VIEW>,
-    relit: Vec<u8, MAX_PIXELS>,
 }
 
-impl Comparison {
+impl Measures {
     #[inline(always)]
     pub(crate) const fn new() -> Self {
-        Self {
-            view: Vec::new(),
-            relit: Vec::new(),
-            table: const { CutTable::EMPTY },
-            contrast: Contrast::NONE,
-            window: 0,
-            expected: 0,
-            gain: 0,
-        }
+        Self { table: const { CutTable::EMPTY }, contrast: Contrast::NONE, window: 0, expected: 0, gain: 0 }
     }
+}
 
+impl Comparison<'_> {
     pub(crate) fn begin(&mut self, early: &Early<'_>) {
-        early.template.copy_to(&mut self.relit);
-        self.contrast = self.relit(early.grid).map_or(Contrast::NONE, Contrast::of);
+        early.template.copy_to(self.relit);
+        self.measures.contrast = self.relit(early.grid).map_or(Contrast::NONE, Contrast::of);
     }
 
     /// Sets the expected gain, which `light` predicts for a search window with the contrast `window`.
     pub(crate) fn expect(&mut self, light: Light, window: u32) {
-        (self.window, self.expected) = (window, light.gain(window));
+        (self.measures.window, self.measures.expected) = (window, light.gain(window));
     }
 
     /// The light of this frame: the gain of the last relighting divided by the window's contrast.
     pub(crate) fn light(&self) -> Light {
-        Light::of(self.gain, self.window)
+        Light::of(self.measures.gain, self.measures.window)
     }
 
     pub(crate) fn table_mut(&mut self) -> &mut CutTable {
-        &mut self.table
+        &mut self.measures.table
     }
 
     pub(crate) fn table(&self) -> &CutTable {
-        &self.table
+        &self.measures.table
     }
 
     #[inline(never)]
     pub(crate) fn begin_view(&mut self, place: &Place, grid: &Grid, bounds: Rect, sampling: &mut Sampling) {
-        Lattice::view(place, grid).begin(bounds, sampling, &mut self.view);
+        Lattice::view(place, grid).begin(bounds, sampling, self.view);
     }
 
     #[inline(never)]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, sampling: &mut Sampling, budget: &mut Budget) -> bool {
-        let done = sampling.next_row(frame, &mut self.view);
+        let done = sampling.next_row(frame, self.view);
         budget.spend(sampling.take_work(SAMPLED));
         done
     }
 
     pub(crate) fn alpha(&self) -> u16 {
-        self.table.threshold()
+        self.measures.table.threshold()
     }
 
     pub(crate) fn patch(&self, grid: &Grid, alignment: Alignment) -> Option<Image<'_>> {
-        patch(&self.view, grid, alignment)
+        patch(self.view, grid, alignment)
     }
 
     #[inline(never)]
     pub(crate) fn relit(&self, grid: &Grid) -> Option<Image<'_>> {
-        Image::new(&self.relit, grid.columns, grid.rows).ok()
+        Image::new(self.relit, grid.columns, grid.rows).ok()
     }
 
     /// Adapts the template to the light of the aligned patch, and sets alpha. True if the patch can show a target.
     #[inline(never)]
     fn relight(&mut self, early: &Early<'_>, alignment: Alignment) -> bool {
-        let Self { table, contrast, view, relit, expected, .. } = self;
+        let Self { measures: Measures { table, contrast, expected, gain: last, .. }, view, relit } = self;
         let Some(patch) = patch(view, early.grid, alignment) else { return false };
         early.template.copy_to(relit);
         let (seen, gain) = lighting::relight(relit, *contrast, patch, *expected);
-        self.gain = gain;
+        *last = gain;
         table.set(early.config.table, lighting::alpha(seen, *contrast, gain));
         lighting::can_show(seen, *contrast, *expected)
     }
 
     fn score(&self, early: &Early<'_>, alignment: Alignment) -> u32 {
-        let scorer = Scorer::new(early.config.backend(), &self.table);
+        let scorer = Scorer::new(early.config.backend(), &self.measures.table);
         match (self.patch(early.grid, alignment), self.relit(early.grid)) {
             (Some(patch), Some(relit)) => scorer.score(patch, relit).unwrap_or(0),
             _ => 0,
@@ -190,7 +191,7 @@ impl Comparison {
     }
 
     fn agreement(&self, early: &Early<'_>, alignment: Alignment) -> u16 {
-        let scorer = Scorer::new(early.config.backend(), &self.table);
+        let scorer = Scorer::new(early.config.backend(), &self.measures.table);
         match (self.patch(early.grid, alignment), self.relit(early.grid)) {
             (Some(patch), Some(relit)) => fourth_least(patch, relit, &scorer),
             _ => 0,
@@ -239,7 +240,7 @@ impl Verification {
         early: &Early<'_>,
         frame: &Frame<'_>,
         sampling: &mut Sampling,
-        comparison: &mut Comparison,
+        comparison: &mut Comparison<'_>,
         budget: &mut Budget,
     ) -> Option<Verified> {
         let pixels = early.grid.pixels();
@@ -300,16 +301,18 @@ fn fourth_least(patch: Image<'_>, relit: Image<'_>, scorer: &Scorer<'_>) -> u16 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use heapless::Vec;
     use std::vec::Vec as Pixels;
 
     fn agreement(template: &[u8], patch: &[u8]) -> u16 {
         const SIDE: u16 = 16 + 2 * MARGIN;
-        let mut early = Template::new();
+        let early: &mut Template = &mut Template::<Vec<u16, 256>>::new();
         early.start(Image::new(template, 16, 16).unwrap());
         let (config, grid) = (Config::robust(), Grid::new(Rect::new(0, 0, 16, 16)));
         let grid = Grid { columns: 16, rows: 16, ..grid };
-        let early = Early { config: &config, template: &early, grid: &grid };
-        let mut comparison = std::boxed::Box::new(Comparison::new());
+        let early = Early { config: &config, template: early, grid: &grid };
+        let (mut measures, mut view, mut relit) = (Measures::new(), Vec::<u8, 484>::new(), Vec::<u8, 256>::new());
+        let mut comparison = Comparison { measures: &mut measures, view: &mut view, relit: &mut relit };
         comparison.begin(&early);
         comparison.expect(Light::of(256, 256), 256);
         comparison.view.resize_default((SIDE * SIDE).into()).unwrap();

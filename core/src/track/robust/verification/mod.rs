@@ -7,7 +7,7 @@ pub(super) mod lighting;
 mod refinement;
 mod template;
 
-pub(super) use agreement::{COPIED, Candidate, Comparison, Early, Verification, Verified};
+pub(super) use agreement::{COPIED, Candidate, Comparison, Early, Measures, Verification, Verified};
 pub(super) use coarse_alignment::Alignment;
 pub(super) use lighting::{Light, measuring, window_contrast};
 pub(super) use refinement::{REFINED, Refined, refine};

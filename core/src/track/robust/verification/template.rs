@@ -5,22 +5,24 @@
 //! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
 //! ```
 
-use super::super::constants::MAX_PIXELS;
 use crate::image::Image;
 use crate::kernels::rolled;
-use heapless::Vec;
+use heapless::{Vec, VecView};
 
-pub(crate) struct Template {
-    mean: Vec<u16, MAX_PIXELS>,
+/// `V` is a vector, or by default a view of one with any capacity.
+pub(crate) struct Template<V: ?Sized = VecView<u16>> {
+    mean: V,
 }
 
-impl Template {
+impl<const N: usize> Template<Vec<u16, N>> {
     #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self { mean: Vec::new() }
     }
+}
 
-    /// Starts the mean with `patch`, which has at most `MAX_PIXELS` pixels.
+impl Template {
+    /// Starts the mean with `patch`, which has no more pixels than the template has room for.
     pub(crate) fn start(&mut self, patch: Image<'_>) {
         self.mean.clear();
         let _ = self.mean.resize_default(usize::from(patch.width()) * usize::from(patch.height()));
@@ -29,7 +31,7 @@ impl Template {
 
     pub(crate) fn restore(&mut self, mean: impl Iterator<Item = u16>) {
         self.mean.clear();
-        for pixel in mean.take(MAX_PIXELS) {
+        for pixel in mean.take(self.mean.capacity()) {
             let _ = self.mean.push(pixel);
         }
     }
@@ -60,7 +62,7 @@ impl Template {
     }
 
     #[inline(never)]
-    pub(super) fn copy_to(&self, out: &mut Vec<u8, MAX_PIXELS>) {
+    pub(super) fn copy_to(&self, out: &mut VecView<u8>) {
         // Cannot fail: both vectors have the same capacity.
         let _ = out.resize_default(self.mean.len());
         rolled(out.iter_mut().zip(self.pixels())).for_each(|(out, pixel)| *out = pixel);
@@ -73,7 +75,7 @@ mod tests {
 
     #[test]
     fn it_comes_within_two_gray_levels_of_what_it_learns() {
-        let mut template = Template::new();
+        let template: &mut Template = &mut Template::<Vec<u16, 2>>::new();
         let image = |pixels| Image::new(pixels, 2, 1).unwrap();
         template.start(image(&[0, 255]));
         assert!(template.pixels().eq([0, 255]));
