@@ -31,7 +31,7 @@ pub use result_file::{ResultFile, result_files};
 pub use run::{Follower, Run, lock};
 pub use score::{CORRECT, Score, overlaps};
 pub use table::{Layout, TableName, Tables};
-pub use variant::{Configs, Origin, Variant};
+pub use variant::{Configs, Origin, RobustSize, Variant};
 pub use vot::Vot;
 
 /// Maximum number of pixels of a template, for example 256x256: a larger one could overflow the 32 bits of a score.

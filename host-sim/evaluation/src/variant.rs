@@ -9,22 +9,32 @@ use clap::ValueEnum;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use smr_core::paper::{Config, Fraction};
+use smr_core::robust::Small;
 use smr_core::{Frame, Quality, Rect, Robust, Target, robust};
 use std::cell::RefCell;
 use std::rc::Rc;
+
+/// The size of the robust tracker's memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RobustSize {
+    #[default]
+    Standard,
+    Small,
+}
 
 #[derive(Clone, Copy, Debug)]
 pub struct Configs {
     /// Settings of the paper tracker; the baselines take window and padding from them.
     pub paper: Config,
     pub robust: robust::Config,
+    pub robust_size: RobustSize,
     /// Approximate work per step of an update, in units of `Tracker::work`. It changes no answer. Baselines ignore it.
     pub step: u32,
 }
 
 impl From<Config> for Configs {
     fn from(paper: Config) -> Self {
-        Self { paper, robust: robust::Config::refined(), step: u32::MAX }
+        Self { paper, robust: robust::Config::refined(), robust_size: RobustSize::default(), step: u32::MAX }
     }
 }
 
@@ -104,10 +114,13 @@ impl Variant {
 
     /// Builds trackers for `count` targets of one recording. Those of smr-core share one workspace, as in firmware.
     pub fn build_all(&self, count: usize) -> Result<Vec<Box<dyn Method>>> {
-        let (kind, Configs { paper, robust, step }) = (self.kind, self.configs);
+        let (kind, Configs { paper, robust, robust_size, step }) = (self.kind, self.configs);
         match kind {
             MethodKind::Paper => stepped::<Paper>(kind, count, paper, step),
-            MethodKind::Robust => stepped::<Robust>(kind, count, robust, step),
+            MethodKind::Robust => match robust_size {
+                RobustSize::Standard => stepped::<Robust>(kind, count, robust, step),
+                RobustSize::Small => stepped::<Robust<Small>>(kind, count, robust, step),
+            },
             _ => several(count, || Ok(Baseline::new(kind, &paper))),
         }
     }

@@ -5,7 +5,7 @@
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use smr_core::robust::CHANNELS;
+use smr_core::robust::{CHANNELS, Size};
 use smr_core::{Answer, Frame, Image, Rect, Robust, State, Target, Tracker, unstable};
 use smr_recordings::GrayFrame;
 use smr_reference::robust::{Decision, Numbers, Reference, Step};
@@ -33,7 +33,7 @@ impl Counts {
     }
 }
 
-impl Checked for Robust {
+impl<S: Size> Checked for Robust<S> {
     type Reference = Reference;
     type Numbers = Numbers;
     type Counts = Counts;
@@ -69,7 +69,7 @@ impl Checked for Robust {
     }
 }
 
-fn asked_for<'a>(core: &Tracker<Robust>, frame: &'a GrayFrame) -> Result<Frame<'a>> {
+fn asked_for<'a, S: Size>(core: &Tracker<Robust<S>>, frame: &'a GrayFrame) -> Result<Frame<'a>> {
     let part = |region: Rect| -> Result<(Image<'a>, u16, u16)> {
         let pixels = frame.frame().patch(region).with_context(|| format!("{region:?} is not within the frame"))?;
         Ok((pixels, u16::try_from(region.x)?, u16::try_from(region.y)?))
@@ -82,7 +82,7 @@ fn asked_for<'a>(core: &Tracker<Robust>, frame: &'a GrayFrame) -> Result<Frame<'
 }
 
 /// Compares the sampling grid and the requested pixel windows, before the frame is read.
-fn before(core: &Robust, reference: &Reference) -> Option<Violation> {
+fn before<S: Size>(core: &Robust<S>, reference: &Reference) -> Option<Violation> {
     let (grid, shape) = (core.grid()?, reference.shape());
     let of_core = [grid.columns, grid.rows, grid.across, grid.down].map(i64::from);
     let edges = |rect: Rect| [rect.x, rect.y, rect.right(), rect.bottom()].map(i64::from);
@@ -93,7 +93,7 @@ fn before(core: &Robust, reference: &Reference) -> Option<Violation> {
         .or_else(|| differs("pixels asked for to sweep", elsewhere, reference.sweep_region()))
 }
 
-fn window_columns(core: &Robust, reach: u16) -> usize {
+fn window_columns<S: Size>(core: &Robust<S>, reach: u16) -> usize {
     core.grid().map_or(1, |grid| usize::from(grid.across + 2 * reach) * CHANNELS)
 }
 
@@ -106,7 +106,7 @@ fn numbers_differ(what: &str, core: &[f64], reference: &[f64], columns: usize) -
     })
 }
 
-fn learned(core: &Robust, reference: &Reference) -> Option<Violation> {
+fn learned<S: Size>(core: &Robust<S>, reference: &Reference) -> Option<Violation> {
     let shape = reference.shape();
     let weights: Vec<f64> = unstable::weights(core).iter().map(|&weight| weight.into()).collect();
     let early: Vec<f64> = core.early_template().into_iter().flatten().map(f64::from).collect();
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
     use crate::check::{self, Check};
     use rayon::prelude::*;
-    use smr_core::robust::Config;
+    use smr_core::robust::{Config, Small, Standard};
     use smr_recordings::{CHECKED, OpenOptions};
     use std::path::Path;
 
@@ -153,7 +153,7 @@ mod tests {
         Check::lock(name, (config, numbers), u32::MAX, first, target).unwrap()
     }
 
-    fn through(mut check: Check<Robust>, frames: impl Iterator<Item = GrayFrame>) -> Comparison {
+    fn through<S: Size>(mut check: Check<Robust<S>>, frames: impl Iterator<Item = GrayFrame>) -> Comparison {
         for frame in frames {
             if !check.holds() {
                 break;
@@ -164,10 +164,16 @@ mod tests {
     }
 
     fn checked(name: &str, config: Config, numbers: Numbers, length: usize) -> Comparison {
+        checked_of::<Standard>(name, config, numbers, length)
+    }
+
+    fn checked_of<S: Size>(name: &str, config: Config, numbers: Numbers, length: usize) -> Comparison {
         let sequence = smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap();
         let target = sequence.start().unwrap();
         let mut frames = sequence.frames.map(|frame| frame.unwrap().gray);
-        through(lock(name, numbers, config, &frames.next().unwrap(), target), frames.take(length))
+        let first = frames.next().unwrap();
+        let check = Check::<Robust<S>>::lock(name, (config, numbers), u32::MAX, &first, target).unwrap();
+        through(check, frames.take(length))
     }
 
     type Change<T> = (&'static str, fn(&mut T));
@@ -204,6 +210,27 @@ mod tests {
                 assert_eq!(report.violation, None, "{name}, {what}");
                 assert!(report.frames > 0 && report.counts.responses > 0, "{name}: {what}");
             }
+        }
+    }
+
+    #[test]
+    fn the_small_size_holds() {
+        let small = |name, numbers| checked_of::<Small>(name, Config::refined().within::<Small>(), numbers, 25);
+        for name in CHECKED {
+            assert_eq!(small(name, Numbers::refined().small()).violation, None, "{name}");
+        }
+        let others: [fn(&mut Numbers); 3] =
+            [|numbers| numbers.pixels = 1300, |numbers| numbers.most_cells = 155, |numbers| numbers.reach = 8];
+        for change in others {
+            let mut numbers = Numbers::refined().small();
+            change(&mut numbers);
+            assert_ne!(small(CHECKED[0], numbers).violation, None);
+        }
+        let frame = |step: usize| GrayFrame { width: 240, height: 160, pixels: tiles(240, 160, |x, y| (x + step, y)) };
+        for target in [Rect::new(100, 20, 6, 3), Rect::new(10, 15, 220, 4), Rect::new(10, 10, 200, 140)] {
+            let numbers = (Config::refined().within::<Small>(), Numbers::refined().small());
+            let check = Check::<Robust<Small>>::lock("bounds", numbers, 5000, &frame(0), target).unwrap();
+            assert_eq!(through(check, std::iter::once(frame(1))).violation, None, "{target:?}");
         }
     }
 

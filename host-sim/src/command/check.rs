@@ -7,7 +7,8 @@ use crate::check::{self, Checked, Violation, paper, robust};
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use smr_core::Robust;
-use smr_evaluation::{CoreKind, Origin, Paper, lock};
+use smr_core::robust::Small;
+use smr_evaluation::{CoreKind, Origin, Paper, RobustSize, lock};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -73,7 +74,11 @@ impl Check {
             }
             CoreKind::Robust => {
                 let numbers = self.tracker.robust_reference_numbers();
-                self.compare::<Robust>(path, (configs.robust, numbers), configs.step, Counts::Robust)?
+                let both = (configs.robust, numbers);
+                match configs.robust_size {
+                    RobustSize::Standard => self.compare::<Robust>(path, both, configs.step, Counts::Robust)?,
+                    RobustSize::Small => self.compare::<Robust<Small>>(path, both, configs.step, Counts::Robust)?,
+                }
             }
         };
         Ok(CheckedRecording { origin: variant.origin(), report })

@@ -6,9 +6,10 @@ use clap::{Args, ValueEnum};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 use smr_core::paper::Config;
+use smr_core::robust::{self, Small};
 use smr_core::similarity::{Backend, Table};
-use smr_core::{ConfigError, Setting, Settings, Shape, robust};
-use smr_evaluation::{Configs, MethodKind, Variant};
+use smr_core::{ConfigError, Robust, Setting, Settings, Shape, Target};
+use smr_evaluation::{Configs, MethodKind, RobustSize, Variant};
 use smr_files::messages::choice_name;
 use smr_reference::{Numbers, robust as robust_reference};
 use std::fmt;
@@ -27,13 +28,17 @@ pub enum Preset {
     Robust,
     /// of robust, with the refiner; in firmware: Config::refined(), smr_config_refined
     Refined,
+    /// of robust with less memory, without the refiner; in firmware: robust::Small, smr_config_small
+    Small,
+    /// of robust with less memory, with the refiner; in firmware: robust::Small, smr_config_small_refined
+    SmallRefined,
 }
 
 impl Preset {
     const fn method(self) -> MethodKind {
         match self {
             Self::Paper | Self::Camera => MethodKind::Paper,
-            Self::Robust | Self::Refined => MethodKind::Robust,
+            Self::Robust | Self::Refined | Self::Small | Self::SmallRefined => MethodKind::Robust,
         }
     }
 }
@@ -238,7 +243,7 @@ impl TrackerOptions {
 
     fn configs(&self) -> Result<Configs> {
         let step = self.step.map_or(u32::MAX, NonZeroU32::get);
-        Ok(Configs { paper: self.paper()?, robust: self.robust()?, step })
+        Ok(Configs { paper: self.paper()?, robust: self.robust()?, robust_size: self.robust_size(), step })
     }
 
     fn paper(&self) -> Result<Config> {
@@ -262,11 +267,29 @@ impl TrackerOptions {
     }
 
     fn robust(&self) -> Result<robust::Config> {
-        let plain = self.config == Some(Preset::Robust);
-        let mut config = if plain { robust::Config::robust() } else { robust::Config::refined() };
+        let mut config = if self.refines() { robust::Config::refined() } else { robust::Config::robust() };
         config.backend = self.backend;
+        match self.robust_size() {
+            RobustSize::Standard => self.put_and_check::<Robust>(config),
+            RobustSize::Small => self.put_and_check::<Robust<Small>>(config.within::<Small>()),
+        }
+    }
+
+    /// True unless the preset is one without the refiner.
+    fn refines(&self) -> bool {
+        !matches!(self.config, Some(Preset::Robust | Preset::Small))
+    }
+
+    fn robust_size(&self) -> RobustSize {
+        match self.config {
+            Some(Preset::Small | Preset::SmallRefined) => RobustSize::Small,
+            _ => RobustSize::Standard,
+        }
+    }
+
+    fn put_and_check<T: Target<Config: Settings>>(&self, config: T::Config) -> Result<T::Config> {
         let config = self.put(config)?;
-        config.check().map_err(|error| both(&config, error))?;
+        T::check_config(&config).map_err(|error| both(&config, error))?;
         Ok(config)
     }
 
@@ -281,7 +304,10 @@ impl TrackerOptions {
     /// Parameters of the robust tracker's reference, which has its own copy of the defaults.
     pub fn robust_reference_numbers(&self) -> robust_reference::Numbers {
         let mut numbers = robust_reference::Numbers::refined();
-        numbers.refiner = self.config != Some(Preset::Robust);
+        if self.robust_size() == RobustSize::Small {
+            numbers = numbers.small();
+        }
+        numbers.refiner = self.refines();
         for Given { name, values, .. } in &self.set {
             numbers.set(name, values[0]);
         }

@@ -6,8 +6,9 @@ use super::{Outcome, say, shell, usage, whole};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{CommandFactory, Parser, ValueEnum};
 use serde_json::{Map, Value};
-use smr_core::{Rect, Robust, Settings, Shape, robust};
-use smr_evaluation::{MethodKind, Variant, lock};
+use smr_core::robust::{self, Small, Workspace};
+use smr_core::{Rect, Robust, Settings, Shape};
+use smr_evaluation::{Configs, MethodKind, RobustSize, Variant, lock};
 use smr_files::messages::choice_name;
 use smr_files::output::complain;
 use smr_pages::export::FILM_ENDINGS;
@@ -333,7 +334,7 @@ impl Requests for Desk {
 
     fn firmware(&self, variant: &Variant) -> String {
         match variant.kind {
-            MethodKind::Robust => robust_settings(&variant.configs.robust),
+            MethodKind::Robust => robust_settings(&variant.configs),
             MethodKind::Paper => paper_settings(&variant.configs.paper),
             _ => "Firmware has the methods robust and paper only.\n".to_owned(),
         }
@@ -366,9 +367,15 @@ fn typed(options: &Map<String, Value>) -> Vec<OsString> {
     options.iter().flat_map(option).map(OsString::from).collect()
 }
 
-fn robust_settings(config: &robust::Config) -> String {
-    let preset = if config.refiner { "refined" } else { "robust" };
-    let base = if config.refiner { robust::Config::refined() } else { robust::Config::robust() };
+fn robust_settings(configs: &Configs) -> String {
+    let config = &configs.robust;
+    let mut preset = if config.refiner { "refined()" } else { "robust()" }.to_owned();
+    let mut base = if config.refiner { robust::Config::refined() } else { robust::Config::robust() };
+    let (mut tracker, mut memory) = ("Robust", [size_of::<Robust>(), size_of::<Workspace>()]);
+    if configs.robust_size == RobustSize::Small {
+        (preset, base) = (preset + ".within::<Small>()", base.within::<Small>());
+        (tracker, memory) = ("Robust<Small>", [size_of::<Robust<Small>>(), size_of::<Workspace<Small>>()]);
+    }
     let mut changes = String::new();
     for setting in robust::Config::SETTINGS {
         let value = |of: &robust::Config| of.get(setting.name()).map_or(0, |[value, ..]| value);
@@ -379,14 +386,14 @@ fn robust_settings(config: &robust::Config) -> String {
         }
     }
     format!(
-        "Rust (smr-core{}):\n\n    let {}config = robust::Config::{preset}();\n{changes}\n\
+        "Rust (smr-core{}):\n\n    let {}config = robust::Config::{preset};\n{changes}    let tracker = Tracker::<{tracker}>::with(config)?;\n\n\
          It searches {} cells to each side; a cell grows with the target.\n\
          Memory: a target takes {} bytes, and all targets share a workspace of {} bytes (on a 64-bit machine; less on 32 bits).\n",
         if config.refiner { ", feature `refiner`" } else { "" },
         if changes.is_empty() { "" } else { "mut " },
         config.reach,
-        size_of::<Robust>(),
-        size_of::<robust::Workspace>(),
+        memory[0],
+        memory[1],
     )
 }
 

@@ -2,9 +2,10 @@
 
 use super::difference::Difference;
 use anyhow::{Context, Result};
+use smr_core::robust::{Size, Small};
 use smr_core::unstable::followed;
 use smr_core::{Frame, Rect, Robust, State, Tracker};
-use smr_evaluation::{Method, MethodAnswer, MethodKind, Paper, Variant};
+use smr_evaluation::{Method, MethodAnswer, MethodKind, Paper, RobustSize, Variant};
 use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, free_gain, relit, threshold};
 
@@ -34,6 +35,7 @@ pub(super) struct ObservedTracker {
 enum AnyTracker {
     Paper(Box<Tracker<Paper>>),
     Robust(Box<Tracker<Robust>>),
+    SmallRobust(Box<Tracker<Robust<Small>>>),
     Baseline(Box<dyn Method>),
 }
 
@@ -45,7 +47,10 @@ impl ObservedTracker {
         configs.paper.runner_up_always = true;
         let tracker = match variant.kind {
             MethodKind::Paper => AnyTracker::Paper(Box::new(Tracker::with(configs.paper)?)),
-            MethodKind::Robust => AnyTracker::Robust(Box::new(Tracker::with(configs.robust)?)),
+            MethodKind::Robust => match configs.robust_size {
+                RobustSize::Standard => AnyTracker::Robust(Box::new(Tracker::with(configs.robust)?)),
+                RobustSize::Small => AnyTracker::SmallRobust(Box::new(Tracker::with(configs.robust)?)),
+            },
             _ => AnyTracker::Baseline(variant.build()?),
         };
         Ok(Self { kind: variant.kind, tracker, observation: None })
@@ -61,6 +66,7 @@ impl Method for ObservedTracker {
         match &mut self.tracker {
             AnyTracker::Paper(tracker) => tracker.lock(frame, start).map(|_| ())?,
             AnyTracker::Robust(tracker) => tracker.lock(frame, start).map(|_| ())?,
+            AnyTracker::SmallRobust(tracker) => tracker.lock(frame, start).map(|_| ())?,
             AnyTracker::Baseline(tracker) => tracker.lock(frame, start)?,
         }
         self.observation = Some(Observation { bbox: start.into(), search: None });
@@ -72,6 +78,7 @@ impl Method for ObservedTracker {
         let (report, observation) = match &mut self.tracker {
             AnyTracker::Paper(tracker) => paper(tracker, &image)?,
             AnyTracker::Robust(tracker) => robust(tracker, &image)?,
+            AnyTracker::SmallRobust(tracker) => robust(tracker, &image)?,
             AnyTracker::Baseline(tracker) => baseline(tracker.as_mut(), &image)?,
         };
         self.observation = Some(observation);
@@ -99,7 +106,7 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(MethodAnswe
 
 /// Updates the tracker, then compares the pixels at the tracked position with the early template, whose brightness and
 /// contrast are first adjusted to these pixels.
-fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(MethodAnswer, Observation)> {
+fn robust<S: Size>(tracker: &mut Tracker<Robust<S>>, frame: &GrayFrame) -> Result<(MethodAnswer, Observation)> {
     let grid = tracker.target().grid().context("there is no grid yet")?;
     let early = tracker.target().early_template().context("there is no early template yet")?;
     let (columns, rows) = (grid.columns.into(), grid.rows.into());

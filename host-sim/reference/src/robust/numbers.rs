@@ -209,6 +209,11 @@ impl Numbers {
         }
     }
 
+    /// These parameters in the small size of the tracker.
+    pub fn small(self) -> Self {
+        Self { pixels: 1296, most_cells: 162, reach: 7, ..self }
+    }
+
     /// Sets the parameter that `--set` names to a value. False: there is no such parameter.
     pub fn set(&mut self, name: &str, value: u16) -> bool {
         let number = f64::from(value);
