@@ -24,7 +24,7 @@
  * Programs with a deadline call #smr_update_step; those that read out only a part of the sensor ask #smr_windows first.
  *
  * There are two trackers, and the configuration chooses one: the paper's (#smr_config_camera, #smr_config_paper) or the robust
- * one (#smr_config_robust, #smr_config_refined). The paper tracker compares the target's last appearance, the template, with every offset in a search
+ * one (#smr_config_robust, #smr_config_refined, and with less memory #smr_config_small, #smr_config_small_refined). The paper tracker compares the target's last appearance, the template, with every offset in a search
  * window; the best offset is the new box, and its pixels are the next template. The robust tracker goes beyond the paper: it follows changes of light, size and view, reports
  * when the target is not visible, and searches for it then. It takes more memory and time. All calls are the same.
  *
@@ -40,7 +40,7 @@
  * - **Where pixels may be.** On Cortex-M4, M7, M33 and above the library loads words from unaligned addresses. Normal memory
  *   allows that. Device memory faults, and external RAM (0xA0000000 to 0xDFFFFFFF) is Device memory by default. Set up the MPU,
  *   or set `plain_loop` in #smr_config.
- * - **Stack.** With all called functions, measured on a Cortex-M4: at most 1.3 KB for either
+ * - **Stack.** With all called functions, measured on a Cortex-M4: at most 1.4 KB for either
  *   tracker, with the refiner or without, and 0.2 KB in #smr_init. Builds without optimisation take more.
  * - **Exactness.** Integers only. The same frames give the same answers, bit for bit, on every machine.
  *
@@ -74,6 +74,8 @@
 
 /** The most pixels of the early template, which the robust tracker keeps from the first frames. */
 #define SMR_ROBUST_PIXELS 1600
+/** The most pixels of the early template of the small robust tracker. */
+#define SMR_ROBUST_SMALL_PIXELS 1296
 
 /** Alignment of storage and workspace, in bytes. */
 #define SMR_ALIGNMENT 8
@@ -91,6 +93,12 @@
 #define SMR_ROBUST_WORKSPACE_SIZE (39672 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */
 #define SMR_ROBUST_SAVED_SIZE 12356
+/** Bytes of storage for one small robust tracker, a constant expression. */
+#define SMR_ROBUST_SMALL_TARGET_SIZE (10280 + 10 * sizeof(size_t))
+/** Bytes of a workspace for any number of small robust trackers, a constant expression. */
+#define SMR_ROBUST_SMALL_WORKSPACE_SIZE (34624 + 16 * sizeof(size_t))
+/** The most bytes that #smr_save writes for a small robust tracker. */
+#define SMR_ROBUST_SMALL_SAVED_SIZE 10228
 
 /** A target with a lower quality may slip along its own texture unnoticed: see #smr_quality. */
 #define SMR_POOR_QUALITY 1023
@@ -127,10 +135,27 @@ typedef union smr_robust_workspace {
     unsigned char bytes[SMR_ROBUST_WORKSPACE_SIZE];
 } smr_robust_workspace;
 
+/** Storage for one small robust tracker: see #smr_config_small. */
+typedef union smr_robust_small_target {
+    /** Sets the alignment. */
+    uint64_t alignment;
+    /** Gives the type its size; do not access. */
+    unsigned char bytes[SMR_ROBUST_SMALL_TARGET_SIZE];
+} smr_robust_small_target;
+
+/** A workspace for any number of small robust trackers. */
+typedef union smr_robust_small_workspace {
+    /** Sets the alignment. */
+    uint64_t alignment;
+    /** Gives the type its size; do not access. */
+    unsigned char bytes[SMR_ROBUST_SMALL_WORKSPACE_SIZE];
+} smr_robust_small_workspace;
+
 /** Compiles only if storage and workspace have the stated sizes. */
 typedef char smr_memory_is_as_large_as_stated[
     sizeof(smr_paper_target) == SMR_PAPER_TARGET_SIZE && sizeof(smr_paper_workspace) == SMR_PAPER_WORKSPACE_SIZE &&
-    sizeof(smr_robust_target) == SMR_ROBUST_TARGET_SIZE && sizeof(smr_robust_workspace) == SMR_ROBUST_WORKSPACE_SIZE ? 1 : -1];
+    sizeof(smr_robust_target) == SMR_ROBUST_TARGET_SIZE && sizeof(smr_robust_workspace) == SMR_ROBUST_WORKSPACE_SIZE &&
+    sizeof(smr_robust_small_target) == SMR_ROBUST_SMALL_TARGET_SIZE && sizeof(smr_robust_small_workspace) == SMR_ROBUST_SMALL_WORKSPACE_SIZE ? 1 : -1];
 
 /**
  * The result of a call. The numbers never change; later versions may add new ones.
@@ -172,7 +197,8 @@ enum smr_status
    */
   SMR_ERROR_NOT_INITIALISED = 6,
   /**
-   * The call or the saved target belongs to the robust tracker but this is the paper's, or the reverse.
+   * The call or the saved target belongs to the robust tracker but this is the paper's, or the reverse; or the saved
+   * target is one of the other size (#smr_config_small).
    */
   SMR_ERROR_OTHER_METHOD = 7,
   /**
@@ -464,7 +490,7 @@ typedef int32_t smr_format;
 #endif // __cplusplus
 
 /**
- * One of the two trackers, opaque in C: its constructor and the sizes of its memory.
+ * One of the trackers, opaque in C: its constructor and the sizes of its memory.
  */
 typedef struct smr_method smr_method;
 
@@ -652,8 +678,8 @@ typedef struct smr_robust_config {
 } smr_robust_config;
 
 /**
- * The choice of a tracker and its settings. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
- * #smr_config_refined, then change the settings that you need.
+ * The choice of a tracker and its settings. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust,
+ * #smr_config_refined, #smr_config_small or #smr_config_small_refined, then change the settings that you need.
  */
 typedef struct smr_config {
   /**
@@ -668,11 +694,11 @@ typedef struct smr_config {
    */
   uint8_t plain_loop;
   /**
-   * Settings of the paper tracker; all 0 after #smr_config_robust and #smr_config_refined.
+   * Settings of the paper tracker; all 0 if the preset is of the robust one.
    */
   struct smr_paper_config paper;
   /**
-   * Settings of the robust tracker; all 0 after #smr_config_camera and #smr_config_paper.
+   * Settings of the robust tracker; all 0 if the preset is of the paper's.
    */
   struct smr_robust_config robust;
 } smr_config;
@@ -1003,6 +1029,10 @@ typedef struct smr_entry {
    */
   uint8_t is_robust;
   /**
+   * The size of the robust tracker: 1 for that of #smr_config_small, else 0.
+   */
+  uint8_t is_small;
+  /**
    * Settings of the paper tracker.
    */
   struct smr_paper_config paper;
@@ -1108,6 +1138,25 @@ smr_status smr_config_robust(struct smr_config *config);
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
  */
 smr_status smr_config_refined(struct smr_config *config);
+
+/**
+ * Fills a configuration of the small robust tracker without the refiner. It takes 7 KB less memory than that of
+ * #smr_config_robust and a fifth less time, and follows a little less well: its template has at most
+ * #SMR_ROBUST_SMALL_PIXELS pixels, and its `reach` is at most 7. Its memory are #smr_robust_small_target and
+ * #smr_robust_small_workspace. Saved targets and flight records of one size cannot be continued with the other.
+ *
+ * @param config  Memory for the configuration.
+ * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+ */
+smr_status smr_config_small(struct smr_config *config);
+
+/**
+ * Fills a configuration of the small robust tracker with the refiner: see #smr_config_small and #smr_config_refined.
+ *
+ * @param config  Memory for the configuration.
+ * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
+ */
+smr_status smr_config_small_refined(struct smr_config *config);
 
 /**
  * Sets a setting by its name, such as "window" to { 16, 16 }, for names from a file, a console or another language. If
@@ -1337,15 +1386,14 @@ smr_status smr_template(const struct smr_tracker *tracker,
                         struct smr_image *image);
 
 /**
- * Largest size of this tracker's saved target in bytes. Equals the value of #SMR_PAPER_SAVED_SIZE or
- * #SMR_ROBUST_SAVED_SIZE with which the library was built.
+ * Largest size of this tracker's saved target in bytes. Equals the value of #SMR_PAPER_SAVED_SIZE,
+ * #SMR_ROBUST_SAVED_SIZE or #SMR_ROBUST_SMALL_SAVED_SIZE with which the library was built.
  *
  * @param tracker  Made by #smr_init.
  * @param size     Is set to the number of bytes; unchanged after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
  */
-smr_status smr_saved_size(const struct smr_tracker *tracker,
-                          size_t *size);
+smr_status smr_saved_size(const struct smr_tracker *tracker, size_t *size);
 
 /**
  * Saves the target and the tracker's settings as bytes, the same on every platform. #smr_restore needs equal settings.

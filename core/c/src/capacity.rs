@@ -1,5 +1,6 @@
 //! The largest box and search window of a tracker, and its bytes of memory, all fixed when the library is built.
 
+use smr_core::robust::Small;
 use smr_core::{Paper, Quality, Robust, Target};
 
 /// The largest area of the paper tracker's box, in pixels: `SMR_PIXELS` in the build's environment, or 4096.
@@ -9,6 +10,7 @@ pub const PIXELS: usize = number(option_env!("SMR_PIXELS"), 4096);
 pub const SPAN: usize = number(option_env!("SMR_SPAN"), 161);
 
 pub(crate) type PaperTarget = Paper<PIXELS, SPAN>;
+pub(crate) type SmallTarget = Robust<Small>;
 
 /// Alignment of storage and workspace in bytes: `SMR_ALIGNMENT` in the header.
 pub const ALIGNMENT: usize = 8;
@@ -44,13 +46,26 @@ pub const ROBUST_WORKSPACE_SIZE: usize = 39160 + SIGNED_DIFFERENCES + size_of::<
 /// Largest size of a saved target of the robust tracker, in bytes: `SMR_ROBUST_SAVED_SIZE` in the header.
 pub const ROBUST_SAVED_SIZE: usize = 11310 + SAVED_REFINER;
 
+/// Bytes of a small robust tracker, without its workspace: `SMR_ROBUST_SMALL_TARGET_SIZE` in the header.
+pub const ROBUST_SMALL_TARGET_SIZE: usize = 9224 + REFINER + size_of::<[usize; 10]>();
+
+/// Bytes of the small robust tracker's workspace: `SMR_ROBUST_SMALL_WORKSPACE_SIZE` in the header.
+pub const ROBUST_SMALL_WORKSPACE_SIZE: usize = 34112 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();
+
+/// Largest size of a saved target of the small robust tracker, in bytes: `SMR_ROBUST_SMALL_SAVED_SIZE` in the header.
+pub const ROBUST_SMALL_SAVED_SIZE: usize = 9182 + SAVED_REFINER;
+
 /// Quality below which a target is poor, in units of 1/65535 (0 to 65535): `SMR_POOR_QUALITY` in the header.
 const POOR_QUALITY: u16 = 1023;
 
 const _: () = assert!(PAPER_SAVED_SIZE == PaperTarget::SAVED_SIZE);
-const _: () =
-    assert!(ROBUST_SAVED_SIZE == Robust::SAVED_SIZE || ROBUST_SAVED_SIZE == Robust::SAVED_SIZE + SAVED_REFINER);
+const _: () = assert!(saves::<Robust>(ROBUST_SAVED_SIZE) && saves::<SmallTarget>(ROBUST_SMALL_SAVED_SIZE));
 const _: () = assert!(POOR_QUALITY == Quality::POOR_BELOW);
+
+/// True if a robust tracker saves at most `size` bytes, with or without the refiner.
+const fn saves<T: Target>(size: usize) -> bool {
+    size == T::SAVED_SIZE || size == T::SAVED_SIZE + SAVED_REFINER
+}
 
 /// Parses a number above 0 at compile time; any other text is a compile error. Returns `default` for `None`.
 #[allow(clippy::panic)] // evaluated by the compiler only

@@ -80,8 +80,8 @@ pub struct smr_robust_config {
     pub early_rate: u16,
 }
 
-/// The choice of a tracker and its settings. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
-/// #smr_config_refined, then change the settings that you need.
+/// The choice of a tracker and its settings. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust,
+/// #smr_config_refined, #smr_config_small or #smr_config_small_refined, then change the settings that you need.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_config {
@@ -92,13 +92,13 @@ pub struct smr_config {
     /// and gives the same answers. This is for frames in Device memory (external RAM that the MPU has not made Normal),
     /// where unaligned word loads fault.
     pub plain_loop: u8,
-    /// Settings of the paper tracker; all 0 after #smr_config_robust and #smr_config_refined.
+    /// Settings of the paper tracker; all 0 if the preset is of the robust one.
     pub paper: smr_paper_config,
-    /// Settings of the robust tracker; all 0 after #smr_config_camera and #smr_config_paper.
+    /// Settings of the robust tracker; all 0 if the preset is of the paper's.
     pub robust: smr_robust_config,
 }
 
-/// One of the two trackers, opaque in C: its constructor and the sizes of its memory.
+/// One of the trackers, opaque in C: its constructor and the sizes of its memory.
 pub struct smr_method {
     pub(crate) is_paper: bool,
     pub(crate) target_size: usize,

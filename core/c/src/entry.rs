@@ -1,6 +1,7 @@
 //! Reads a flight record entry by entry.
 
 use crate::answer::smr_answer;
+use crate::capacity::SmallTarget;
 use crate::config::{smr_paper_config, smr_robust_config};
 use crate::frame::{smr_frame, smr_part, smr_rect};
 use crate::pointer::{self, Out};
@@ -9,6 +10,10 @@ use core::mem::MaybeUninit;
 use core::ptr;
 use smr_core::record::{Entry, Flaw, Recorded, first};
 use smr_core::{Frame, Rect, Robust, paper, robust};
+
+/// The letters of the robust tracker of both sizes.
+const STANDARD: u8 = <Robust>::TRACKER;
+const SMALL: u8 = SmallTarget::TRACKER;
 
 /// The kind of an entry of a flight record, the log that #smr_record writes.
 #[repr(i32)]
@@ -52,6 +57,8 @@ pub struct smr_entry {
     pub saved_size: usize,
     /// The tracker of #SMR_ENTRY_BEGIN: 1 for the robust one, 0 for the paper's.
     pub is_robust: u8,
+    /// The size of the robust tracker: 1 for that of #smr_config_small, else 0.
+    pub is_small: u8,
     /// Settings of the paper tracker.
     pub paper: smr_paper_config,
     /// Settings of the robust tracker.
@@ -126,10 +133,10 @@ fn begun(of: &mut MaybeUninit<smr_entry>, kind: smr_entry_kind) -> &mut smr_entr
 fn fill(of: &mut MaybeUninit<smr_entry>, entry: &Entry<'_>) -> Result<(), smr_status> {
     use smr_entry_kind as Kind;
     match *entry {
-        Entry::Begin(begin) if begin.tracker == Robust::TRACKER => {
+        Entry::Begin(begin) if matches!(begin.tracker, STANDARD | SMALL) => {
             let config = begin.config(&robust::Config::robust()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
             let of = begun(of, Kind::SMR_ENTRY_BEGIN);
-            (of.is_robust, of.robust) = (1, (&config).into());
+            (of.is_robust, of.is_small, of.robust) = (1, (begin.tracker == SMALL).into(), (&config).into());
         }
         Entry::Begin(begin) => {
             let config = begin.config(&paper::Config::paper()).ok_or(SMR_ERROR_OTHER_CONFIG)?;

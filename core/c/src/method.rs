@@ -1,11 +1,11 @@
-//! The two trackers behind the handle: their layout in the caller's memory, their construction, and their calls.
+//! The trackers behind the handle: their layout in the caller's memory, their construction, and their calls.
 //!
 //! Only the presets refer to a tracker's code, so that a program links only the trackers whose presets it calls.
 
 use crate::answer::smr_answer;
 use crate::capacity::{
-    ALIGNMENT, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, REFINER, ROBUST_TARGET_SIZE,
-    ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES,
+    ALIGNMENT, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, REFINER, ROBUST_SMALL_TARGET_SIZE,
+    ROBUST_SMALL_WORKSPACE_SIZE, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES, SmallTarget,
 };
 use crate::config::{smr_config, smr_method};
 use crate::pointer::{self, Out};
@@ -89,6 +89,30 @@ impl Method for Robust {
     }
 }
 
+impl Method for SmallTarget {
+    const METHOD: smr_method = smr_method {
+        is_paper: false,
+        target_size: ROBUST_SMALL_TARGET_SIZE,
+        workspace_size: ROBUST_SMALL_WORKSPACE_SIZE,
+        make: make::<Self>,
+    };
+    const EMPTY: Self = Self::new();
+    const EMPTY_WORKSPACE: Self::Workspace = smr_core::robust::Workspace::new();
+
+    fn configuration(config: &smr_config) -> Self::Config {
+        config.robust()
+    }
+
+    fn known(&mut self) -> Known<'_> {
+        Known::Small(self)
+    }
+
+    #[cfg(feature = "unstable")]
+    fn response_map(&self, workspace: &mut Self::Workspace, frame: &Frame<'_>) -> Result<ResponseMap, smr_status> {
+        Ok(smr_core::unstable::response_map(self, workspace, frame)?)
+    }
+}
+
 /// The contents of a tracker's storage.
 #[repr(C)] // the handle comes first: its address is that of the storage
 struct Stored<T: Method> {
@@ -102,7 +126,7 @@ struct OwnTracker<T: Method> {
 }
 
 /// The contents of a workspace.
-#[repr(C)] // the mark comes first: a tracker of the other method that takes the memory overwrites it
+#[repr(C)] // the mark comes first: a tracker of another method that takes the memory overwrites it
 struct Scratch<T: Method> {
     /// Result of [`Scratch::mark_of`] for the workspace's address. Any other value shows that the memory is not a
     /// workspace for this type of tracker.
@@ -111,7 +135,7 @@ struct Scratch<T: Method> {
 }
 
 impl<T: Method> Scratch<T> {
-    /// The mark of a workspace at `address`. It differs between the paper's and the robust tracker.
+    /// The mark of a workspace at `address`. It differs between the trackers.
     fn mark_of(address: *const Self) -> usize {
         address.addr() ^ 0x534D_5257 ^ T::METHOD.target_size // "SMRW"
     }
@@ -122,6 +146,8 @@ const _: () = assert!(
         && fits::<Scratch<PaperTarget>>(PAPER_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
         && fits::<Stored<Robust>>(ROBUST_TARGET_SIZE, REFINER)
         && fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
+        && fits::<Stored<SmallTarget>>(ROBUST_SMALL_TARGET_SIZE, REFINER)
+        && fits::<Scratch<SmallTarget>>(ROBUST_SMALL_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
 );
 
 /// True if `size` is a multiple of `ALIGNMENT` that holds an aligned `T` with 0 to 64 bytes to spare, or with

@@ -41,7 +41,8 @@ statuses! {
     /// The tracker was not made by #smr_init, it or its workspace was moved or overwritten since, or the configuration
     /// was not filled by one of the calls smr_config_...
     SMR_ERROR_NOT_INITIALISED = 6,
-    /// The call or the saved target belongs to the robust tracker but this is the paper's, or the reverse.
+    /// The call or the saved target belongs to the robust tracker but this is the paper's, or the reverse; or the saved
+    /// target is one of the other size (#smr_config_small).
     SMR_ERROR_OTHER_METHOD = 7,
     /// No setting of this tracker has this name.
     SMR_ERROR_SETTING_UNKNOWN = 8,

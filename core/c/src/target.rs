@@ -1,7 +1,7 @@
 //! The calls that read a target: its quality, its last box, its template, and its saved form.
 
 use crate::answer::smr_state;
-use crate::capacity::{PAPER_SAVED_SIZE, ROBUST_SAVED_SIZE};
+use crate::capacity::{PAPER_SAVED_SIZE, ROBUST_SAVED_SIZE, ROBUST_SMALL_SAVED_SIZE};
 use crate::frame::{smr_fine_rect, smr_image};
 use crate::pointer::{self, Out};
 use crate::setting::name_in_c;
@@ -9,7 +9,8 @@ use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, smr_status
 use crate::tracker::{Event, Known, borrow, each, smr_tracker, write_result};
 use core::ffi::c_char;
 use core::ptr;
-use smr_core::{RestoreError, Target};
+use smr_core::robust::Size;
+use smr_core::{RestoreError, Robust, Target};
 
 /// Quality of the target at the lock: its difference from shifted copies of itself. It is 0 for a flat target, an edge
 /// along an axis or a single pixel: the tracker follows such a target, but may slip along it without noticing.
@@ -78,13 +79,20 @@ pub unsafe extern "C" fn smr_template(
                     let (width, height) = (image.width(), image.height());
                     copy(smr_image { pixels, width, height }, size, image.rows().flatten().copied())
                 }),
-                Known::Robust(target) => target.grid().zip(target.early_template()).map(|(grid, template)| {
-                    copy(smr_image { pixels, width: grid.columns, height: grid.rows }, size, template)
-                }),
+                Known::Robust(target) => early(target, pixels, size),
+                Known::Small(target) => early(target, pixels, size),
             };
             copied.ok_or(SMR_ERROR_NOT_LOCKED)?
         })
     })
+}
+
+/// # Safety
+/// `size` bytes can be written at `pixels`.
+unsafe fn early<S: Size>(target: &Robust<S>, pixels: *mut u8, size: usize) -> Option<Result<smr_image, smr_status>> {
+    let (grid, template) = target.grid().zip(target.early_template())?;
+    // SAFETY: `size` bytes can be written at `pixels`.
+    Some(unsafe { copy(smr_image { pixels, width: grid.columns, height: grid.rows }, size, template) })
 }
 
 /// # Safety
@@ -113,8 +121,8 @@ impl Known<'_> {
     }
 }
 
-/// Largest size of this tracker's saved target in bytes. Equals the value of #SMR_PAPER_SAVED_SIZE or
-/// #SMR_ROBUST_SAVED_SIZE with which the library was built.
+/// Largest size of this tracker's saved target in bytes. Equals the value of #SMR_PAPER_SAVED_SIZE,
+/// #SMR_ROBUST_SAVED_SIZE or #SMR_ROBUST_SMALL_SAVED_SIZE with which the library was built.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param size     Is set to the number of bytes; unchanged after an error.
@@ -126,6 +134,7 @@ pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut 
         write_result(tracker, size, |tracker| match tracker.known() {
             Known::Paper(_) => Ok(PAPER_SAVED_SIZE),
             Known::Robust(_) => Ok(ROBUST_SAVED_SIZE),
+            Known::Small(_) => Ok(ROBUST_SMALL_SAVED_SIZE),
         })
     })
 }

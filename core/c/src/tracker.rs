@@ -1,7 +1,7 @@
 //! The handle `smr_tracker` that C uses, and the access to the tracker behind it.
 
 use crate::answer::smr_answer;
-use crate::capacity::PaperTarget;
+use crate::capacity::{PaperTarget, SmallTarget};
 use crate::frame::smr_frame;
 use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_NOT_INITIALISED, smr_status};
@@ -41,14 +41,16 @@ fn mark_of(address: *const smr_tracker) -> usize {
 pub(crate) enum Known<'a> {
     Paper(&'a mut PaperTarget),
     Robust(&'a mut Robust),
+    Small(&'a mut SmallTarget),
 }
 
-/// Evaluates `$result` with `$of` bound to the target, for either type of target.
+/// Evaluates `$result` with `$of` bound to the target, for each type of target.
 macro_rules! each {
     ($known:expr, $of:ident => $result:expr) => {
         match $known {
             Known::Paper($of) => $result,
             Known::Robust($of) => $result,
+            Known::Small($of) => $result,
         }
     };
 }

@@ -125,7 +125,7 @@ static void run(void)
         case SMR_ENTRY_BEGIN:
             flights++;
             is_robust = entry.is_robust;
-            ok(is_robust ? smr_config_robust(&config) : smr_config_paper(&config));
+            ok(entry.is_small ? smr_config_small(&config) : is_robust ? smr_config_robust(&config) : smr_config_paper(&config));
             config.paper = entry.paper;
             config.robust = entry.robust;
             whole = made(&whole_storage, &config);

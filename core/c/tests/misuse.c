@@ -32,10 +32,14 @@ static void fillings(void)
     EXPECT(smr_config_paper(NULL), SMR_ERROR_NULL);
     EXPECT(smr_config_robust(NULL), SMR_ERROR_NULL);
     EXPECT(smr_config_refined(NULL), SMR_ERROR_NULL);
+    EXPECT(smr_config_small(NULL), SMR_ERROR_NULL);
+    EXPECT(smr_config_small_refined(NULL), SMR_ERROR_NULL);
     EXPECT(smr_config_camera((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_config_paper((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_config_robust((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_config_refined((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_config_small((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_config_small_refined((smr_config *)askew(several)), SMR_ERROR_MISALIGNED);
     HOLD(smr_target_size(several) == 0 && smr_workspace_size(several) == 0); /* not filled */
     HOLD(smr_target_size(NULL) == 0 && smr_workspace_size(NULL) == 0);
 }

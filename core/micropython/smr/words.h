@@ -6,7 +6,7 @@ static mp_rom_error_text_t words(smr_status status) {
         case SMR_ERROR_FRAME_EMPTY: return MP_ERROR_TEXT("the image has no pixels: width and height must be at least 1");
         case SMR_ERROR_STRIDE_TOO_SMALL: return MP_ERROR_TEXT("the stride is smaller than the width");
         case SMR_ERROR_FRAME_TOO_SHORT: return MP_ERROR_TEXT("the slice is shorter than (height - 1) * stride + width bytes");
-        case SMR_ERROR_OUTSIDE_FRAME: return MP_ERROR_TEXT("the window has no pixels, or is not wholly inside the frame");
+        case SMR_ERROR_OUTSIDE_FRAME: return MP_ERROR_TEXT("a window has no pixels, or is not wholly inside the frame");
         case SMR_ERROR_BOX_EMPTY: return MP_ERROR_TEXT("the box has no pixels: width and height must be at least 1");
         case SMR_ERROR_BOX_OUTSIDE_FRAME: return MP_ERROR_TEXT("the box is not wholly inside the frame");
         case SMR_ERROR_BOX_TOO_LARGE: return MP_ERROR_TEXT("the box has more pixels than this tracker's template has room for");

@@ -3,7 +3,8 @@
 use crate::missing;
 use smr::{
     ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
-    ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN,
+    ROBUST_SMALL_SAVED_SIZE, ROBUST_SMALL_TARGET_SIZE, ROBUST_SMALL_WORKSPACE_SIZE, ROBUST_TARGET_SIZE,
+    ROBUST_WORKSPACE_SIZE, SPAN,
 };
 use std::path::Path;
 use std::process::Command;
@@ -22,6 +23,9 @@ fn claims() -> String {
         ("SMR_ROBUST_TARGET_SIZE", ROBUST_TARGET_SIZE),
         ("SMR_ROBUST_WORKSPACE_SIZE", ROBUST_WORKSPACE_SIZE),
         ("SMR_ROBUST_SAVED_SIZE", ROBUST_SAVED_SIZE),
+        ("SMR_ROBUST_SMALL_TARGET_SIZE", ROBUST_SMALL_TARGET_SIZE),
+        ("SMR_ROBUST_SMALL_WORKSPACE_SIZE", ROBUST_SMALL_WORKSPACE_SIZE),
+        ("SMR_ROBUST_SMALL_SAVED_SIZE", ROBUST_SMALL_SAVED_SIZE),
     ];
     let claims: String = sizes.iter().map(|(name, size)| claim(name, *size)).collect();
     format!("int main(void) {{\n{claims}return 0;\n}}\n")
@@ -86,6 +90,8 @@ fn the_readmes_state_the_sizes_of_the_header() {
     let workspace = |pixels, span| on_32_bits(PAPER_WORKSPACE_SIZE, "SMR_PAPER_WORKSPACE_SIZE", pixels, span);
     let robust = on_32_bits(ROBUST_TARGET_SIZE, "SMR_ROBUST_TARGET_SIZE", 0, 0);
     let scratch = on_32_bits(ROBUST_WORKSPACE_SIZE, "SMR_ROBUST_WORKSPACE_SIZE", 0, 0);
+    let small = on_32_bits(ROBUST_SMALL_TARGET_SIZE, "SMR_ROBUST_SMALL_TARGET_SIZE", 0, 0);
+    let small_scratch = on_32_bits(ROBUST_SMALL_WORKSPACE_SIZE, "SMR_ROBUST_SMALL_WORKSPACE_SIZE", 0, 0);
     let (usual, room) = (target(4096), workspace(4096, 161));
     let row = |pixels, span| format!("| {} bytes | {} bytes |\n", target(pixels), workspace(pixels, span));
     let readme = include_str!("../../README.md");
@@ -93,6 +99,8 @@ fn the_readmes_state_the_sizes_of_the_header() {
         format!("from frame to frame: {usual} bytes"),
         format!("any number of these trackers: {room} bytes"),
         format!("`smr_paper_target`, {usual} | `smr_robust_target`, {robust} |"),
+        format!("`smr_robust_small_target` ({small} bytes)"),
+        format!("`smr_robust_small_workspace` ({small_scratch} bytes)"),
         format!("`smr_paper_workspace`, {room} | `smr_robust_workspace`, {scratch} |"),
         format!("161 (+-80), the default: the paper's {}", row(4096, 161)),
         format!("| 4096 (64x64) | 33 (+-16) {}", row(4096, 33)),

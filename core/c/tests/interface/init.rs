@@ -4,8 +4,9 @@
 #![allow(unsafe_code)] // calls the C interface, and reads the stack
 
 use smr::{
-    PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, smr_config, smr_config_camera,
-    smr_config_refined, smr_config_robust, smr_init, smr_status,
+    PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, ROBUST_SMALL_TARGET_SIZE, ROBUST_SMALL_WORKSPACE_SIZE, ROBUST_TARGET_SIZE,
+    ROBUST_WORKSPACE_SIZE, smr_config, smr_config_camera, smr_config_refined, smr_config_robust, smr_config_small,
+    smr_config_small_refined, smr_init, smr_status,
 };
 use std::hint::black_box;
 use std::mem::MaybeUninit;
@@ -84,9 +85,11 @@ fn init<const TARGET: usize, const WORKSPACE: usize>(
 fn trackers_are_made_in_their_memory() {
     let (made, paper) = init::<PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE>(smr_config_camera);
     let (also_made, robust) = init::<ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE>(smr_config_robust);
-    println!("smr_init: {paper}, robust {robust}");
+    let (small_made, small) = init::<ROBUST_SMALL_TARGET_SIZE, ROBUST_SMALL_WORKSPACE_SIZE>(smr_config_small);
+    println!("smr_init: {paper}, robust {robust}, small {small}");
+    assert!(small < 4096, "smr_init takes {small} bytes of stack for a small tracker");
     assert!(paper < 4096 && robust < 4096, "smr_init takes {paper} bytes of stack, for a robust tracker {robust}");
-    assert_eq!([made, also_made], [smr_status::SMR_OK; 2]);
+    assert_eq!([made, also_made, small_made], [smr_status::SMR_OK; 3]);
     // Expects the refiner if smr-core has it: another package in the same build may have enabled it.
     let mut config = smr_core::robust::Config::robust();
     config.refiner = true;
@@ -95,6 +98,8 @@ fn trackers_are_made_in_their_memory() {
         Err(_) => smr_status::SMR_ERROR_REFINER_NOT_BUILT_IN,
     };
     assert_eq!(init::<ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE>(smr_config_refined).0, expected);
+    let small = init::<ROBUST_SMALL_TARGET_SIZE, ROBUST_SMALL_WORKSPACE_SIZE>(smr_config_small_refined).0;
+    assert_eq!(small, expected);
 }
 
 #[test]
@@ -103,4 +108,29 @@ fn the_presets_differ_in_the_refiner_alone() {
     assert_eq!((robust.robust.refiner, refined.robust.refiner), (0, 1));
     refined.robust.refiner = 0;
     assert_eq!(format!("{robust:?}"), format!("{refined:?}"));
+    let (small, mut refined) = (filled(smr_config_small), filled(smr_config_small_refined));
+    assert_eq!((small.robust.refiner, refined.robust.refiner), (0, 1));
+    refined.robust.refiner = 0;
+    assert_eq!(format!("{small:?}"), format!("{refined:?}"));
+    assert_eq!((robust.robust.reach, small.robust.reach), (8, 7));
+}
+
+#[test]
+fn a_small_tracker_does_not_take_a_large_reach_or_a_large_tracker_its_memory() {
+    /// # Safety
+    /// There is memory for the configuration.
+    unsafe extern "C" fn far(config: *mut smr_config) -> smr_status {
+        // SAFETY: there is memory for the configuration.
+        unsafe {
+            let filled = smr_config_small(config);
+            (*config).robust.reach = 8;
+            filled
+        }
+    }
+    let small = init::<ROBUST_SMALL_TARGET_SIZE, ROBUST_SMALL_WORKSPACE_SIZE>(far).0;
+    assert_eq!(small, smr_status::SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    let robust = init::<ROBUST_SMALL_TARGET_SIZE, ROBUST_WORKSPACE_SIZE>(smr_config_robust).0;
+    assert_eq!(robust, smr_status::SMR_ERROR_STORAGE_TOO_SMALL);
+    let robust = init::<ROBUST_TARGET_SIZE, ROBUST_SMALL_WORKSPACE_SIZE>(smr_config_robust).0;
+    assert_eq!(robust, smr_status::SMR_ERROR_WORKSPACE_TOO_SMALL);
 }
