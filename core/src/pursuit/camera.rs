@@ -2,12 +2,12 @@
 
 use super::error::{PursuitConfigError, first_broken};
 use crate::FineRect;
-use micromath::F32;
+use core::f32::consts::FRAC_PI_2;
 
 /// A pinhole camera with square pixels.
 ///
-/// angle = atan((x - principal_x) / focal_length), positive to the right. micromath's atan is off by at most 0.003
-/// radians, near the axis by 6 %. This changes only how fast the head approaches the target.
+/// angle = atan((x - principal_x) / focal_length), positive to the right. The angle is off by at most 0.000012 radians,
+/// and near the axis by at most 0.014 %: 0.002 pixels at a focal length of 160 pixels.
 ///
 /// Three ways to get the focal length in pixels:
 /// - focal length in mm / width of a pixel in mm;
@@ -53,11 +53,7 @@ impl Camera {
     }
 
     fn angle_radians(&self, offset_pixels: f32) -> f32 {
-        // Beyond this slope the angle is pi / 2 in f32. micromath's atan squares the slope, which must not overflow.
-        const RIGHT_ANGLE: f32 = 1e9;
-        let slope = (offset_pixels / self.focal_length_pixels).clamp(-RIGHT_ANGLE, RIGHT_ANGLE);
-        // `F32Ext` is not used, because in test builds the standard library's `f32::atan` would win over its `atan`.
-        F32(slope).atan().0
+        arctangent(offset_pixels / self.focal_length_pixels)
     }
 
     pub(super) fn check(&self) -> Result<(), PursuitConfigError> {
@@ -67,6 +63,18 @@ impl Camera {
             (self.focal_length_pixels >= 1.0, PursuitConfigError::FocalLengthTooShort),
         ])
     }
+}
+
+/// The angle in radians whose tangent is `slope`, -pi/2 to pi/2, off by at most 0.000012. `core` has no such function.
+///
+/// The series is formula 4.4.47 of Abramowitz and Stegun, "Handbook of Mathematical Functions", for slopes up to 1.
+pub(super) fn arctangent(slope: f32) -> f32 {
+    const SERIES: [f32; 5] = [0.020_835_1, -0.085_133, 0.180_141, -0.330_299_5, 0.999_866];
+    let size = slope.abs();
+    let is_steep = size > 1.0;
+    let x = if is_steep { 1.0 / size } else { size };
+    let angle = x * SERIES.iter().fold(0.0, |sum, factor| sum * (x * x) + factor);
+    (if is_steep { FRAC_PI_2 - angle } else { angle }).copysign(slope)
 }
 
 /// The centre of `first..first + size` (units of 1/256 pixel), in pixels.

@@ -10,7 +10,7 @@
 //! # let servo_at = |duty| {
 //! #     pwm::Mock::new(&[pwm::Transaction::max_duty_cycle(62_500), pwm::Transaction::set_duty_cycle(duty)])
 //! # };
-//! # let (pan_pin, tilt_pin) = (servo_at(4748), servo_at(4702));
+//! # let (pan_pin, tilt_pin) = (servo_at(4749), servo_at(4703));
 //! # let led_pin = digital::Mock::new(&[digital::Transaction::set(digital::State::High)]);
 //! # let (mut pan_mock, mut tilt_mock, mut led_mock) = (pan_pin.clone(), tilt_pin.clone(), led_pin.clone());
 //!
