@@ -39,9 +39,9 @@ static uint8_t sensor[FRAME_HEIGHT][FRAME_WIDTH];
 /* The gray level at (x, y) of a texture that does not repeat; the same seed gives the same texture. */
 static uint8_t noise(uint32_t seed, int x, int y)
 {
-    uint32_t n = seed + (uint32_t)x * 374761393u + (uint32_t)y * 668265263u;
+    uint32_t n = seed + x * 374761393u + y * 668265263u;
     n = (n ^ (n >> 13)) * 1274126177u;
-    return (uint8_t)((n ^ (n >> 16)) & 255u);
+    return (n ^ (n >> 16)) & 255u;
 }
 
 /* Draws a dim, flickering background and, if `in_view`, the bright target with its top left corner at (left, top). */
@@ -51,8 +51,8 @@ static void expose(uint32_t number, int in_view, int left, int top)
     for (y = 0; y < FRAME_HEIGHT; y++) {
         for (x = 0; x < FRAME_WIDTH; x++) {
             int inside = in_view && x >= left && x < left + TARGET && y >= top && y < top + TARGET;
-            sensor[y][x] = inside ? (uint8_t)(128 + noise(1, (x - left) / 3, (y - top) / 3) / 2)
-                                  : (uint8_t)(noise(2, x / 4, y / 4) / 4 + noise(1000 + number, x, y) / 32);
+            sensor[y][x] = inside ? 128 + noise(1, (x - left) / 3, (y - top) / 3) / 2
+                                  : noise(2, x / 4, y / 4) / 4 + noise(1000 + number, x, y) / 32;
         }
     }
 }
@@ -65,11 +65,11 @@ static smr_part read_out(const smr_rect *window)
     if (window->width > 0) {
         part.pixels = &sensor[window->y][window->x];
         part.stride = FRAME_WIDTH;
-        part.size = (size_t)(window->height - 1) * FRAME_WIDTH + window->width;
+        part.size = (window->height - 1) * sizeof sensor[0] + window->width;
         part.width = window->width;
         part.height = window->height;
-        part.x = (uint16_t)window->x;
-        part.y = (uint16_t)window->y;
+        part.x = window->x;
+        part.y = window->y;
     }
     return part;
 }
@@ -98,10 +98,14 @@ static const char *name_of(smr_state state)
     return names[state];
 }
 
+/* The file of the flight record, if there is one. `context` of a recorder is for programs with several. */
+static FILE *record;
+
 /* Stores the bytes of a flight record. Firmware would write to flash or a serial line here. */
-static int to_file(void *file, const uint8_t *bytes, size_t size)
+static int32_t to_file(void *context, const uint8_t *bytes, size_t size)
 {
-    return fwrite(bytes, 1, size, (FILE *)file) != size;
+    (void)context;
+    return fwrite(bytes, 1, size, record) != size;
 }
 
 static unsigned percent(uint16_t ratio)
@@ -116,9 +120,10 @@ int main(int argc, char **argv)
     smr_config config;
     smr_tracker *tracker;
     smr_frame frame;
+    unsigned long bytes[2];
     smr_recorder recorder = {to_file, NULL, 0, 0, NULL};
 
-    if (argc == 3 && (recorder.context = fopen(argv[2], "wb")) == NULL) {
+    if (argc == 3 && (record = fopen(argv[2], "wb")) == NULL) {
         fprintf(stderr, "cannot write %s\n", argv[2]);
         return EXIT_FAILURE;
     }
@@ -131,8 +136,9 @@ int main(int argc, char **argv)
         config.paper.least_ratio = 65535 / 2; /* do not accept noise */
     }
     must(smr_init(&storage, sizeof storage, &workspace, sizeof workspace, &config, &tracker), "smr_init");
-    printf("smr %s, %lu bytes for the target, %lu for the workspace\n", smr_version(),
-           (unsigned long)smr_target_size(&config), (unsigned long)smr_workspace_size(&config));
+    bytes[0] = smr_target_size(&config);
+    bytes[1] = smr_workspace_size(&config);
+    printf("smr %s, %lu bytes for the target, %lu for the workspace\n", smr_version(), bytes[0], bytes[1]);
 
     if (argc == 3) {
         must(smr_record(tracker, &recorder), "smr_record");
@@ -149,15 +155,15 @@ int main(int argc, char **argv)
         smr_answer answer;
         left += in_view ? 2 : 0;
         top += in_view ? number % 3 - 1 : 1;
-        expose((uint32_t)number, in_view, left, top);
+        expose(number, in_view, left, top);
         must(smr_windows(tracker, windows), "smr_windows");
         frame = frame_of(windows);
         must(smr_update(tracker, &frame, &answer), "smr_update");
         printf("frame %2d: %3" PRId32 ",%3" PRId32 " %ux%u %-9s similar %3u %%, %u x %u%s pixels read\n", number,
-               answer.bbox.x, answer.bbox.y, (unsigned)answer.bbox.width, (unsigned)answer.bbox.height,
-               name_of(answer.state), percent(answer.ratio), (unsigned)windows[0].width, (unsigned)windows[0].height,
+               answer.bbox.x, answer.bbox.y, answer.bbox.width, answer.bbox.height,
+               name_of(answer.state), percent(answer.ratio), windows[0].width, windows[0].height,
                windows[1].width > 0 ? " and more" : "");
-        near = abs((int)answer.bbox.x - left) <= 2 && abs((int)answer.bbox.y - top) <= 2;
+        near = labs(0L + answer.bbox.x - left) <= 2 && labs(0L + answer.bbox.y - top) <= 2;
         /* The tracker must find the target while it is in view, and must not be tracking in the last frame in which it is hidden. If the
          * target reappears outside windows[0], the search window, the robust tracker may miss it in the first three
          * frames in view: outside windows[0], an update searches only windows[1], a part of the frame. As long as the
@@ -165,7 +171,7 @@ int main(int argc, char **argv)
         sought = number >= HIDDEN_TO && number < HIDDEN_TO + 3 && windows[1].width > 0 && answer.state != SMR_TRACKING;
         wrong += (in_view && !near && !sought) || (number == HIDDEN_TO - 1 && answer.state == SMR_TRACKING);
     }
-    wrong += recorder.failed || (recorder.context != NULL && fclose((FILE *)recorder.context) != 0);
+    wrong += recorder.failed || (record != NULL && fclose(record) != 0);
     printf("track: %d of %d frames wrong\n", wrong, FRAMES);
     return wrong == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -81,12 +81,12 @@
 #define SMR_ALIGNMENT 8
 
 /** Bytes of storage for a paper tracker, a constant expression. At run time, ask #smr_target_size. */
-#define SMR_PAPER_TARGET_SIZE (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 12 * sizeof(size_t) + 120)
+#define SMR_PAPER_TARGET_SIZE ((sizeof(char) * (SMR_PIXELS) + 7) / 8 * 8 + 12 * sizeof(size_t) + 120)
 /** Bytes of a workspace for any number of the paper trackers, a constant expression. */
 #define SMR_PAPER_WORKSPACE_SIZE \
-    (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 1184)
+    ((sizeof(char) * (SMR_PIXELS) + 7) / 8 * 8 + (20 * sizeof(char) * (SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 1184)
 /** The most bytes that #smr_save writes for the paper tracker. */
-#define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 94)
+#define SMR_PAPER_SAVED_SIZE (sizeof(char) * (SMR_PIXELS) + 94)
 /** Bytes of storage for one robust tracker, a constant expression. */
 #define SMR_ROBUST_TARGET_SIZE (12408 + 10 * sizeof(size_t))
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
@@ -969,7 +969,7 @@ typedef struct smr_recorder {
    * Stores bytes in flash, a file or elsewhere. A call passes one row of pixels, one saved target or at most 64
    * bytes. Returns 0 on success.
    */
-  int (*write)(void *context, const uint8_t *bytes, size_t size);
+  int32_t (*write)(void *context, const uint8_t *bytes, size_t size);
   /**
    * The first argument of `write`.
    */

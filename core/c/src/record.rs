@@ -3,7 +3,7 @@
 use crate::pointer;
 use crate::status::{SMR_ERROR_NULL, smr_status, status_of};
 use crate::tracker::{Call, Event, Known, Tracked, borrow, each, smr_tracker};
-use core::ffi::{c_int, c_void};
+use core::ffi::c_void;
 use core::ops::Range;
 use smr_core::record::Recorder;
 use smr_core::{Frame, Rect, Windows};
@@ -14,7 +14,7 @@ use smr_core::{Frame, Rect, Windows};
 pub struct smr_recorder {
     /// Stores bytes in flash, a file or elsewhere. A call passes one row of pixels, one saved target or at most 64
     /// bytes. Returns 0 on success.
-    pub write: Option<unsafe extern "C" fn(context: *mut c_void, bytes: *const u8, size: usize) -> c_int>,
+    pub write: Option<unsafe extern "C" fn(context: *mut c_void, bytes: *const u8, size: usize) -> i32>,
     /// The first argument of `write`.
     pub context: *mut c_void,
     /// The number of entries written.

@@ -6,7 +6,7 @@ use crate::pointer::Out;
 use crate::record::{smr_record, smr_recorder};
 use crate::status::{smr_status, status_of};
 use crate::tracker::{ResponseMap, smr_tracker, with_frame, write_result};
-use core::ffi::{c_int, c_void};
+use core::ffi::c_void;
 
 /// Sets `work` to the work of the present or last update or lock in the workspace of `tracker`, even by another
 /// tracker, plus that of any later `smr_response_map`, in the units of `smr_update_step`.
@@ -75,7 +75,7 @@ pub unsafe extern "C" fn smr_record_to_memory(tracker: *mut smr_tracker, sink: *
 /// # Safety
 /// `sink` points to a [`Sink`] that nobody else uses, with `size` bytes that can be written at its `bytes`. `count`
 /// bytes can be read at the argument `bytes`, outside of them.
-unsafe extern "C" fn to_memory(sink: *mut c_void, bytes: *const u8, count: usize) -> c_int {
+unsafe extern "C" fn to_memory(sink: *mut c_void, bytes: *const u8, count: usize) -> i32 {
     // SAFETY: `sink` points to a sink. At most the bytes from `used` on are written of its `size` bytes.
     unsafe {
         let sink = &mut *sink.cast::<Sink>();

@@ -58,7 +58,7 @@ static smr_frame drawn_frame(unsigned number)
     return frame;
 }
 
-static int write_record(void *context, const uint8_t *record, size_t count)
+static int32_t write_record(void *context, const uint8_t *record, size_t count)
 {
     course *made = (course *)context;
     if (count > sizeof made->record - made->recorded) {

@@ -46,7 +46,7 @@ static void ok(smr_status status)
 }
 
 /* The recorder's `write`: compares the bytes that a tracker records with those of the given flight record. */
-static int same(void *context, const uint8_t *bytes, size_t count)
+static int32_t same(void *context, const uint8_t *bytes, size_t count)
 {
     (void)context;
     must(count <= size - recorded && memcmp(record + recorded, bytes, count) == 0, "other bytes are recorded");
