@@ -22,7 +22,7 @@ const PLACES: &[(&str, &str, &str, &str, &str)] = &[
     ("state", "JavaScript", "core/web/smr.js", "const State = ", "}"),
     ("state", "JavaScript", TYPES, "const State: {", "\n}"),
     ("state", "MicroPython", MODULE, "#define NUMBERS(NUMBER)", "\n\n"),
-    ("state", "host-sim", "host-sim/evaluation/src/method.rs", "fn name_of(", "\n}"),
+    ("state", "host-sim", "core/src/track/answer.rs", "pub const fn name(self)", "\n    }"),
 ];
 
 fn spelled(what: &str, language: &str, name: &str) -> String {

@@ -3,6 +3,7 @@
 use super::error::{PursuitConfigError, first_broken};
 use crate::FineRect;
 use core::f32::consts::FRAC_PI_2;
+use micromath::F32;
 
 /// A pinhole camera with square pixels.
 ///
@@ -48,7 +49,8 @@ impl Camera {
     /// camera, so for a pan it is too large by a factor of 1 / cos(tilt).
     #[allow(clippy::cast_possible_truncation)] // the cast saturates; NaN becomes 0
     pub(super) fn picture_motion(&self, right_radians: f32, up_radians: f32) -> (i32, i32) {
-        let units = |radians: f32| (256.0 * self.focal_length_pixels * radians) as i32;
+        // Rounded, because a cast cuts off toward 0: the error would add up from call to call.
+        let units = |radians: f32| F32(256.0 * self.focal_length_pixels * radians).round().0 as i32;
         (units(-right_radians), units(up_radians))
     }
 

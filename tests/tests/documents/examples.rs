@@ -172,6 +172,15 @@ mod several {
     }
 }
 
+mod small {
+    include!(concat!(env!("OUT_DIR"), "/core-7.rs"));
+
+    #[test]
+    fn it_has_a_smaller_reach() {
+        assert_eq!(slow_target().unwrap().config().reach, 5);
+    }
+}
+
 mod head {
     use super::pictures;
     use embedded_hal::{digital, pwm};
@@ -231,7 +240,7 @@ mod head {
             if frames <= 3 { whole() } else { Frame::whole(Image::new(&picture, 120, 160).unwrap()) }
         };
         let seconds_since_last_frame = || 1.0 / 30.0;
-        let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-7.rs")) };
+        let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-8.rs")) };
         let ended = endless().unwrap_err().to_string();
         assert!(ended.contains("size"), "{ended}");
         // `pan` and `tilt` are duty cycles: a pulse of 1500 in 20,000 microseconds would point straight ahead.
