@@ -60,6 +60,7 @@
 //!
 //! A target is the state kept from frame to frame, a workspace the scratch memory that any number of targets can share.
 //! A [`Tracker`] holds one of each. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace `PIXELS + 20 * SPAN`.
+//! [`Robust`] takes 11.4 KB and its workspace 39.2, `Robust<Small>` 9.2 and 34.2: see [`robust::Size`].
 //!
 //! [`Target::most_work`] computes an upper bound of the work of an update. For [`Paper`], boxes of at least 8x8 pixels
 //! and windows of at least +-4 it is at most 1.25 * (offsets in the window) * (pixels of the template) comparisons, or

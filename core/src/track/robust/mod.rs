@@ -32,15 +32,15 @@
 //!   answer        its state is the worst of confidence, opinion and identity                   13.79 in all
 //! ```
 //!
-//! The figures are the most work of each stage in millions of units, in the largest window and without the refiner (`run/most_work.rs`; a unit is
-//! about one instruction of a Cortex-M4). The sum is that of a frame with redetection instead of learning, and includes
-//! the coding of the weights.
+//! The figures are the most work of each stage in millions of units, in the largest window of the standard size and
+//! without the refiner (`run/most_work.rs`; a unit is about one instruction of a Cortex-M4). The sum is that of a frame
+//! with redetection instead of learning, and includes the coding of the weights.
 //!
 //! | folder or file | what it does |
 //! |---|---|
 //! | `features/`, `filter/`, `verification/`, `refiner/` | these stages |
 //! | `decision/` | confidence, redetection, and the memory of a target from frame to frame, also as bytes |
-//! | `run/` | runs a frame through the stages in pieces, for an update (`pipeline.rs`) and a lock (`lock.rs`) |
+//! | `run/` | runs a frame through the stages in pieces, for an update and a lock; the memory of each [`Size`] |
 //! | `target.rs` | the public calls, and the workspace |
 //! | `arithmetic.rs` | 64-bit division |
 //! | `constants.rs` | constants that several stages share and that are not in [`Config`] |

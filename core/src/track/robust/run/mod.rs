@@ -1,6 +1,6 @@
 //! Runs a frame through the stages in pieces: the pipelines of an update (`pipeline`) and of a lock (`lock`), their
-//! inputs (`inputs`, `windows`), their scratch memory (`buffers`), the sizes of memory (`size`) and the upper bounds of their
-//! work (`most_work`).
+//! inputs (`inputs`, `windows`), their scratch memory (`buffers`), the sizes of memory (`size`) and the upper bounds of
+//! their work (`most_work`).
 
 mod buffers;
 mod inputs;

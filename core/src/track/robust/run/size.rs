@@ -24,7 +24,7 @@ use crate::image::Rect;
 pub trait Size: Stored {
     /// Pixels of the largest template. The target is resampled to a grid on which it has about this many pixels.
     const PIXELS: u16 = Self::LIMITS.pixels;
-    /// The largest [`Config::reach`]: the radius of the search window, in cells.
+    /// The largest `Config::reach`: the radius of the search window, in cells.
     const REACH: u16 = Self::LIMITS.reach;
 }
 
