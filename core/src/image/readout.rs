@@ -50,8 +50,8 @@
 //!
 //! | | gray 8 | YUYV, UYVY | RGB565, low byte first | high byte first | Bayer (two lines) | packed 10 bits |
 //! |---|---|---|---|---|---|---|
-//! | M4 | 6.7 | 5.0 | 19.3 | 20.5 | 15.6 | 4.9 |
-//! | M0+ | 9.3 | 5.8 | 36.0 | 36.5 | 40.1 | 7.3 |
+//! | M4 | 7.1 | 5.5 | 19.7 | 21.0 | 16.4 | 5.4 |
+//! | M0+ | 9.7 | 6.2 | 36.4 | 36.9 | 41.0 | 7.7 |
 //!
 //! [`Tracker::windows`]: crate::Tracker::windows
 

@@ -211,7 +211,7 @@ pub trait Target: Steps {
     /// use smr_core::{Frame, Image, Rect, Robust, Target, robust};
     /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-    /// let mut workspace = robust::Workspace::new();
+    /// let mut workspace: robust::Workspace = robust::Workspace::new();
     /// let mut targets = [Robust::new(), Robust::new()];
     /// for (target, x) in targets.iter_mut().zip([4, 40]) {
     ///     while target.lock_step(&mut workspace, &frame, Rect::new(x, 10, 16, 16), 200_000)?.is_none() {}
@@ -267,7 +267,7 @@ pub trait Target: Steps {
     /// }
     /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     /// # let frame = Frame::whole(smr_core::Image::new(&pixels, 64, 48)?);
-    /// # let (mut robust, mut workspace) = (smr_core::Robust::new(), smr_core::robust::Workspace::new());
+    /// # let (mut robust, mut workspace) = (<smr_core::Robust>::new(), smr_core::robust::Workspace::new());
     /// # robust.lock(&mut workspace, &frame, smr_core::Rect::new(20, 10, 16, 16))?;
     /// # let clock = core::cell::Cell::new(0);
     /// # let now = || clock.replace(clock.get() + 100);

@@ -195,7 +195,7 @@ pub mod calls {
     //! use smr_core::{Frame, Image, Rect, Robust, Target, robust};
     //! # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     //! # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-    //! let (mut target, mut workspace) = (Robust::new(), robust::Workspace::new());
+    //! let (mut target, mut workspace) = (<Robust>::new(), robust::Workspace::new());
     //! target.lock(&mut workspace, &frame, Rect::new(20, 10, 16, 16))?;
     //! let answer = loop {
     //!     let begins = Checked::update(&target, &frame)?.begin(&mut target, &mut workspace, Some(100_000));

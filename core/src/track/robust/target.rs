@@ -44,7 +44,7 @@ use crate::track::{
 /// # Ok::<(), smr_core::Error>(())
 /// ```
 ///
-/// `Robust<Small>` takes less memory and work, and follows a little less well: see [`Size`](super::Size).
+/// `Robust<Small>` takes less memory and work: see [`Size`](super::Size).
 ///
 /// ```
 /// # use smr_core::{Frame, Image, Rect, State};
@@ -200,7 +200,8 @@ impl<S: Size> Target for Robust<S> {
 
     #[inline(always)]
     fn unlocked() -> Self {
-        Self::new()
+        // A constant, so that the fields are not built on the stack and moved.
+        const { Self::new() }
     }
 
     fn check_config(config: &Config) -> Result<(), ConfigError> {
