@@ -260,7 +260,7 @@ fn the_readme_states_the_memory() {
 /// The largest first window, the largest while the target is calm, and the largest second window of a robust target in a
 /// box of `width` x `height` pixels, in bytes for each pixel of the box.
 fn windows(config: robust::Config, (width, height): (u16, u16)) -> [f64; 3] {
-    let (across, down) = (12 * width, 12 * height);
+    let (across, down) = (640, 480);
     let area = |window: Option<Rect>| window.map_or(0.0, |window| f64::from(window.area()));
     let mut tracker = Box::new(Tracker::<Robust>::with(config).expect("a configuration that can be used"));
     let pixels: Vec<u8> = (0..i32::from(across) * i32::from(down)).map(|at| noise(at, 0, 1)).collect();
@@ -278,7 +278,7 @@ fn windows(config: robust::Config, (width, height): (u16, u16)) -> [f64; 3] {
         tracker.update(&black).expect("a frame of the same size");
         area(tracker.sweep_window())
     };
-    let second = (0..60).map(lost).fold(0.0, f64::max);
+    let second = (0..40).map(lost).fold(0.0, f64::max);
     [first, calm, second].map(|pixels| pixels / f64::from(width) / f64::from(height))
 }
 
@@ -291,8 +291,8 @@ fn the_readme_states_the_memory_of_the_windows() {
         let mut once = config;
         once.sweep = 1;
         for (what, boxes) in [
-            ("square box", [(20, 20), (29, 29), (40, 40)]),
-            ("four times as long as wide", [(80, 20), (20, 80), (41, 164)]),
+            ("square box", [(20, 20), (21, 21), (23, 23), (40, 40)]),
+            ("four times as long as wide", [(80, 20), (20, 80), (41, 164), (30, 120)]),
         ] {
             let largest = |config| {
                 boxes

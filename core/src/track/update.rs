@@ -18,8 +18,9 @@ pub(super) const SEAL: Seal = Seal(());
 /// No number is unique without a global variable, which this crate must not have. So a call is known by the addresses
 /// that its target and its workspace had when it began, and by a count that is above those of all earlier calls of this
 /// target and of this workspace. It continues only while target and workspace have the same distance in memory, as in a
-/// [`Tracker`](crate::Tracker) that moves. So no target continues the call of another, as long as a program does not
-/// exchange the targets twice, and also replace their workspace, between the steps of the same calls.
+/// [`Tracker`](crate::Tracker) that moves. So no target continues the call of another, as long as a program neither
+/// replaces a target by a new one at the same place nor exchanges workspaces between the steps of a call: then it must
+/// call [`Target::cancel`](crate::Target::cancel) first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ticket {
     target: usize,

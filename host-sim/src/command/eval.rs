@@ -66,7 +66,9 @@ pub struct Eval {
     #[arg(long, value_name = "1|5|every:N", requires = "robustness")]
     starts: Option<Starts>,
     /// With --robustness: give the trackers only the first frame and each N-th after it, as a camera with a lower frame rate does
-    #[arg(long, value_name = "N", value_parser = whole::<NonZeroU16>(1..=65535), requires = "robustness")]
+    ///
+    /// Starts and returns are then counted in the frames that remain.
+    #[arg(long, value_name = "N", value_parser = whole::<NonZeroU16>(1..=65535), requires = "robustness", conflicts_with = "fault")]
     every: Option<NonZeroU16>,
     /// With --robustness: print paired differences from earlier results. FILE is the --json output of the same command
     ///
@@ -196,7 +198,17 @@ impl Eval {
             Protocol::Cover => covers::measure(&found, open, &variants, &progress),
             Protocol::Faults(faults) => faults::measure(&found, open, &variants, &faults, &progress),
             Protocol::Robustness(starts) => {
-                let open = |path: &Path| Ok(open(path)?.every(self.every.map_or(1, NonZeroU16::get)));
+                let open = |path: &Path| {
+                    let Some(step) = self.every.map(NonZeroU16::get) else { return open(path) };
+                    let thinned = open(path)?.every(step);
+                    let length = thinned.truth.as_ref().map_or(2, Vec::len);
+                    ensure!(
+                        length > 1,
+                        "{}: --every {step} leaves only the first frame: expected a smaller step",
+                        thinned.name
+                    );
+                    Ok(thinned)
+                };
                 robustness::measure(&found, open, &variants, starts, former.as_ref(), &progress)
             }
             Protocol::Whole => {

@@ -342,7 +342,7 @@ mod tests {
         let film = watch(street, Watch::new(&methods), || ()).unwrap();
         let scores = film.evaluation().unwrap().unwrap().scores;
         let [robust, papers] = [0, 1].map(|method| scores[method].1.mean_iou.unwrap());
-        assert!(robust > 0.75 && papers < 0.3, "{robust} {papers}");
+        assert!(robust > 0.7 && papers < 0.3, "{robust} {papers}");
     }
 
     #[test]
