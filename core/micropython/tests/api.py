@@ -246,7 +246,7 @@ for kind in KINDS:
     tracker.lock(mosaic[0], 2 * WIDTH, 2 * HEIGHT, BOX, format=smr.BAYER8)
     raises(ValueError, "the frame has another size than the one that was locked on", lambda: tracker.update(mosaic[0]))
     tracker.lock(still, WIDTH, HEIGHT, (60, 44, 20, 16))
-    raises(ValueError, "the window has no pixels, or is not wholly inside the frame", lambda: tracker.update(still, format=smr.BAYER8))
+    raises(ValueError, "a window has no pixels, or is not wholly inside the frame", lambda: tracker.update(still, format=smr.BAYER8))
     raises(ValueError, "line 30 has fewer bytes than its format needs", lambda: tracker.update(still, smr.YUYV))
     del mosaic, half
 
