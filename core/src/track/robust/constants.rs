@@ -28,7 +28,7 @@ pub(super) const ONE_GAIN: u32 = 256;
 /// The radius of the search window at each scale of the scale search, in cells.
 pub(super) const SCALE_REACH: u16 = 0;
 
-/// What a tracker of one size has room for. The stages take it as values, so that one copy of their code serves every size.
+/// The limits of a size of tracker. The stages take them as values, so that one copy of their code serves every size.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     /// The letter of this size in saved targets and records.

@@ -27,7 +27,7 @@ pub(crate) const fn most_saved(limits: Limits) -> usize {
     around(Config::COUNT) + TRACK + 4 * limits.weights() + 2 * limits.pixels as usize + REFINED
 }
 
-/// What a target learns: the part of its memory that grows with its size.
+/// The learned part of a target: it grows with the size.
 pub(crate) struct Learned<const WEIGHTS: usize, const PIXELS: usize> {
     filter: Filter<Vec<i32, WEIGHTS>>,
     template: Template<Vec<u16, PIXELS>>,

@@ -31,7 +31,7 @@ pub trait Size: Stored {
 /// The memory of a size.
 pub(in crate::track::robust) trait Stored: 'static {
     const LIMITS: Limits;
-    /// What a target learns. `UNLEARNED` is all zero bytes.
+    /// The learned part of a target. `UNLEARNED` is all zero bytes.
     type Learned;
     const UNLEARNED: Self::Learned;
     /// The scratch memory of the stages. `UNUSED` is all zero bytes.

@@ -101,7 +101,7 @@ pub(crate) struct Comparison<'a> {
     pub(crate) relit: &'a mut VecView<u8>,
 }
 
-/// What the comparison measures of template, patch and window.
+/// Measures of template, patch and window, for the comparison.
 #[repr(C)] // the order of fields matters: see `run/buffers.rs`
 pub(crate) struct Measures {
     table: CutTable,
