@@ -382,6 +382,7 @@ fn a_part_of_a_frame_has_its_own_pixels() {
 #[test]
 fn a_file_that_is_not_wanted_any_more_is_cancelled() {
     let viewer = Viewer::open(&["street"]);
+    viewer.wait("the first answers", |news| news["followed"].as_u64() > Some(0));
     assert_eq!(viewer.post("report", &json!({})).0, 200);
     let begun = viewer.wait("the beginning", |news| !news["exports"].is_null())["exports"][0].clone();
     assert_eq!((&begun["id"], &begun["name"], &begun["cancelled"]), (&json!(1), &json!("street.html"), &json!(false)));
