@@ -38,6 +38,8 @@ struct FormerRow {
 struct FormerStart {
     start: String,
     frame: usize,
+    /// Frames of the run with a visible target: other frames (`--every`, `--frames`) give another number.
+    visible: usize,
 }
 
 /// Tables of a measurement, earlier or new. `starts` begins with all starts of the first row of `measured`, then has
@@ -96,7 +98,7 @@ impl FormerRow {
 
 /// Returns the table of mean differences. Each method is compared with the method of the same name in `former`; if that
 /// is missing, with the first method of `former`; or, if `former` itself is `None`, with the first method of `tables`.
-/// Errors: `former` was measured from other starts, or shares no recording with `tables`.
+/// Errors: `former` was measured from other starts or in other frames, or shares no recording with `tables`.
 pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
     let names =
         Head::list(&[("", "paired difference"), ("tracker", ""), ("against", ""), ("recordings", "recordings")]);
@@ -120,7 +122,11 @@ pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
             let is_its = |their: &&FormerRow| their.tracker == counterpart && their.is_of(row);
             let Some(their) = before.iter().find(is_its) else { continue };
             let from = former.map_or("", |former| &former.name);
-            ensure!(their.starts == row.starts, "{from}: {} was measured from other starts", row.sequence);
+            ensure!(
+                their.starts == row.starts,
+                "{from}: {} was measured from other starts, or in other frames",
+                row.sequence
+            );
             differences.push(row.minus(their));
         }
         if differences.is_empty() {
@@ -224,7 +230,10 @@ sad - paper                 3   +0.100       +0.050  +0.100
         };
         let mut other = measured(&variants);
         other[1].starts.pop();
-        assert_eq!(error(&other), "FILE: b was measured from other starts");
+        assert_eq!(error(&other), "FILE: b was measured from other starts, or in other frames");
+        let mut other = measured(&variants);
+        other[1].starts[0].1.visible += 1;
+        assert_eq!(error(&other), "FILE: b was measured from other starts, or in other frames");
         let mut other = measured(&variants);
         other.iter_mut().for_each(|row| row.sequence.push('x'));
         assert_eq!(error(&other), "FILE: it has none of these recordings");
