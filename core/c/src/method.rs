@@ -20,6 +20,7 @@ use core::mem::offset_of;
 use core::ops::Range;
 use core::ptr::{self, NonNull};
 use smr_core::calls::{self, Checked};
+use smr_core::robust::{Size, Small, Standard};
 use smr_core::{Frame, Rect, Robust, Target, Windows};
 
 /// A tracker of `smr-core`, with what C needs to construct it.
@@ -65,35 +66,39 @@ impl Method for PaperTarget {
     }
 }
 
-impl Method for Robust {
-    const METHOD: smr_method = smr_method {
-        is_paper: false,
-        target_size: ROBUST_TARGET_SIZE,
-        workspace_size: ROBUST_WORKSPACE_SIZE,
-        make: make::<Self>,
-    };
-    const EMPTY: Self = Self::new();
-    const EMPTY_WORKSPACE: Self::Workspace = smr_core::robust::Workspace::new();
+/// A size of the robust tracker, with its memory.
+pub(crate) trait SizeInC: Size {
+    const TARGET_SIZE: usize;
+    const WORKSPACE_SIZE: usize;
 
-    fn configuration(config: &smr_config) -> Self::Config {
-        config.robust()
-    }
+    fn known(target: &mut Robust<Self>) -> Known<'_>
+    where
+        Self: Sized;
+}
 
-    fn known(&mut self) -> Known<'_> {
-        Known::Robust(self)
-    }
+impl SizeInC for Standard {
+    const TARGET_SIZE: usize = ROBUST_TARGET_SIZE;
+    const WORKSPACE_SIZE: usize = ROBUST_WORKSPACE_SIZE;
 
-    #[cfg(feature = "unstable")]
-    fn response_map(&self, workspace: &mut Self::Workspace, frame: &Frame<'_>) -> Result<ResponseMap, smr_status> {
-        Ok(smr_core::unstable::response_map(self, workspace, frame)?)
+    fn known(target: &mut Robust<Self>) -> Known<'_> {
+        Known::Robust(target)
     }
 }
 
-impl Method for SmallTarget {
+impl SizeInC for Small {
+    const TARGET_SIZE: usize = ROBUST_SMALL_TARGET_SIZE;
+    const WORKSPACE_SIZE: usize = ROBUST_SMALL_WORKSPACE_SIZE;
+
+    fn known(target: &mut Robust<Self>) -> Known<'_> {
+        Known::Small(target)
+    }
+}
+
+impl<S: SizeInC> Method for Robust<S> {
     const METHOD: smr_method = smr_method {
         is_paper: false,
-        target_size: ROBUST_SMALL_TARGET_SIZE,
-        workspace_size: ROBUST_SMALL_WORKSPACE_SIZE,
+        target_size: S::TARGET_SIZE,
+        workspace_size: S::WORKSPACE_SIZE,
         make: make::<Self>,
     };
     const EMPTY: Self = Self::new();
@@ -104,7 +109,7 @@ impl Method for SmallTarget {
     }
 
     fn known(&mut self) -> Known<'_> {
-        Known::Small(self)
+        S::known(self)
     }
 
     #[cfg(feature = "unstable")]
