@@ -27,11 +27,6 @@ use smr_core::{Frame, Rect, Robust, Target, Windows};
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
 
-    /// Initial values of a tracker and its workspace: constants of zeroes, which `make` writes in place, without a copy
-    /// on the stack.
-    const EMPTY: Self;
-    const EMPTY_WORKSPACE: Self::Workspace;
-
     fn configuration(config: &smr_config) -> Self::Config;
 
     fn known(&mut self) -> Known<'_>;
@@ -54,8 +49,6 @@ impl Method for PaperTarget {
         workspace_size: PAPER_WORKSPACE_SIZE,
         make: make::<Self>,
     };
-    const EMPTY: Self = Self::new();
-    const EMPTY_WORKSPACE: Self::Workspace = smr_core::paper::Workspace::new();
 
     fn configuration(config: &smr_config) -> Self::Config {
         config.paper()
@@ -101,8 +94,6 @@ impl<S: SizeInC> Method for Robust<S> {
         workspace_size: S::WORKSPACE_SIZE,
         make: make::<Self>,
     };
-    const EMPTY: Self = Self::new();
-    const EMPTY_WORKSPACE: Self::Workspace = smr_core::robust::Workspace::new();
 
     fn configuration(config: &smr_config) -> Self::Config {
         config.robust()
@@ -174,11 +165,11 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
     // SAFETY: both have the bytes that the method states, enough for the types (`fits`), and are aligned. Each field is
     // written in place.
     unsafe {
-        (&raw mut (*storage).own.target).write(T::EMPTY);
+        (&raw mut (*storage).own.target).write(T::UNLOCKED);
         (*storage).own.target.set_config(config);
         (&raw mut (*storage).own.workspace).write(workspace);
         (&raw mut (*storage).handle).write(smr_tracker::new(storage.cast(), &raw mut (*storage).own));
-        (&raw mut (*workspace).workspace).write(T::EMPTY_WORKSPACE);
+        (&raw mut (*workspace).workspace).write(T::UNUSED);
         (&raw mut (*workspace).mark).write(Scratch::mark_of(workspace));
     }
     Ok(())

@@ -58,9 +58,13 @@ pub trait Target: Steps {
     /// Upper bounds of the work of an update, a lock and a step for a box of `width` x `height` pixels, for any frame.
     fn most_work(config: &Self::Config, width: u16, height: u16) -> MostWork;
 
-    /// A target that is not locked, with the default configuration.
+    /// A target that is not locked, with the default configuration. All its bytes are 0.
     #[doc(hidden)]
-    fn unlocked() -> Self;
+    const UNLOCKED: Self;
+
+    /// A workspace whose bytes are all 0.
+    #[doc(hidden)]
+    const UNUSED: Self::Workspace;
 
     /// A target that is not locked.
     ///
@@ -69,7 +73,7 @@ pub trait Target: Steps {
     #[inline(always)]
     fn with(config: Self::Config) -> Result<Self, ConfigError> {
         Self::check_config(&config)?;
-        let mut target = Self::unlocked();
+        let mut target = const { Self::UNLOCKED };
         target.set_config(config);
         Ok(target)
     }

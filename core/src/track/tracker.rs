@@ -55,9 +55,26 @@ macro_rules! of_the_target {
 }
 
 impl<T: Target> Tracker<T> {
+    /// A tracker without a target, with the default configuration: [`robust::Config::robust`](crate::robust::Config::robust)
+    /// within the size of the tracker, or [`paper::Config::camera`](crate::paper::Config::camera) limited to windows that
+    /// fit `SPAN`. All its bytes are 0, so a `static` takes no flash:
+    ///
+    /// ```
+    /// use smr_core::{Robust, Tracker, robust::Config};
+    /// use std::sync::Mutex; // in firmware: the mutex of critical-section or Embassy
+    ///
+    /// static TRACKER: Mutex<Tracker<Robust>> = Mutex::new(Tracker::new());
+    /// let mut config = Config::robust();
+    /// config.reach = 6;
+    /// TRACKER.lock().unwrap().configure(config)?;
+    /// assert!(TRACKER.lock().unwrap().window().is_none());
+    /// # Ok::<(), smr_core::Error>(())
+    /// ```
+    #[must_use]
     #[inline(always)]
-    pub(super) const fn of(target: T, workspace: T::Workspace) -> Self {
-        Self { target, workspace }
+    pub const fn new() -> Self {
+        // Constants, so that the fields are not built on the stack and moved.
+        const { Self { target: T::UNLOCKED, workspace: T::UNUSED } }
     }
 
     /// A tracker without a target, with this configuration.
@@ -232,7 +249,7 @@ impl<T: Target> Tracker<T> {
 impl<T: Target> Default for Tracker<T> {
     #[inline(always)]
     fn default() -> Self {
-        Self { target: T::unlocked(), workspace: T::Workspace::default() }
+        Self::new()
     }
 }
 

@@ -15,7 +15,7 @@ use crate::track::settings::Kind;
 use crate::track::target::{Slot, lockable};
 use crate::track::update::{Seal, Steps, Ticket, UnderWay};
 use crate::track::{
-    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, Tracker, UpdateError,
+    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
 };
 use core::fmt;
 
@@ -120,6 +120,8 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 
     const SAVED_SIZE: usize = saved::size(PIXELS);
     const LETTER: u8 = Kind::Paper as u8;
+    const UNLOCKED: Self = Self::new();
+    const UNUSED: Self::Workspace = Workspace::new();
 
     /// Upper bounds of the work (see `MostWork`) with the largest window that the configuration and `SPAN` allow.
     fn most_work(config: &Config, width: u16, height: u16) -> MostWork {
@@ -132,11 +134,6 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
             lock: 3 * u64::from(width) * u64::from(height),
             beyond_a_step: extent.most_beyond_a_step::<SPAN>(),
         }
-    }
-
-    #[inline(always)]
-    fn unlocked() -> Self {
-        Self::new()
     }
 
     fn check_config(config: &Config) -> Result<(), ConfigError> {
@@ -345,15 +342,5 @@ impl<const PIXELS: usize, const SPAN: usize> Default for Workspace<PIXELS, SPAN>
     #[inline(always)]
     fn default() -> Self {
         Self::new()
-    }
-}
-
-impl<const PIXELS: usize, const SPAN: usize> Tracker<Paper<PIXELS, SPAN>> {
-    /// A tracker without a target, with [`Config::camera`] limited to windows that fit `SPAN`. All its bytes are
-    /// 0, so a `static` takes no flash.
-    #[must_use]
-    #[inline(always)]
-    pub const fn new() -> Self {
-        Self::of(Paper::new(), Workspace::new())
     }
 }

@@ -17,7 +17,7 @@ use crate::track::target::{Slot, lockable};
 use crate::track::update::SEAL;
 use crate::track::update::{Budget, Seal, Steps, Ticket, UnderWay};
 use crate::track::{
-    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, Tracker, UpdateError,
+    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
 };
 
 /// A target of the robust tracker. It may change in size, light and view.
@@ -192,16 +192,12 @@ impl<S: Size> Target for Robust<S> {
 
     const SAVED_SIZE: usize = memory::most_saved(S::LIMITS);
     const LETTER: u8 = S::LIMITS.kind as u8;
+    const UNLOCKED: Self = Self::new();
+    const UNUSED: Workspace<S> = Workspace::new();
 
     /// Upper bounds of the work, the same for every box: see [`Config::most_work_of`].
     fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
         config.most_work_of::<S>()
-    }
-
-    #[inline(always)]
-    fn unlocked() -> Self {
-        // A constant, so that the fields are not built on the stack and moved.
-        const { Self::new() }
     }
 
     fn check_config(config: &Config) -> Result<(), ConfigError> {
@@ -463,26 +459,5 @@ impl<S: Size> Default for Workspace<S> {
     #[inline(always)]
     fn default() -> Self {
         Self::new()
-    }
-}
-
-impl<S: Size> Tracker<Robust<S>> {
-    /// A tracker without a target, with [`Config::robust`] within the size. All its bytes are 0, so a `static` takes no flash:
-    ///
-    /// ```
-    /// use smr_core::{Robust, Tracker, robust::Config};
-    /// use std::sync::Mutex; // in firmware: the mutex of critical-section or Embassy
-    ///
-    /// static TRACKER: Mutex<Tracker<Robust>> = Mutex::new(Tracker::<Robust>::new());
-    /// let mut config = Config::robust();
-    /// config.reach = 6;
-    /// TRACKER.lock().unwrap().configure(config)?;
-    /// assert!(TRACKER.lock().unwrap().window().is_none());
-    /// # Ok::<(), smr_core::Error>(())
-    /// ```
-    #[must_use]
-    #[inline(always)]
-    pub const fn new() -> Self {
-        Self::of(Robust::new(), Workspace::new())
     }
 }
