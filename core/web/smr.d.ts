@@ -117,7 +117,7 @@ export interface RobustOptions {
   size?: boolean;
   /** Windows in which each frame is searched for a lost target, besides the one around its last place. From frame to frame they sweep the whole picture. Each takes about as much work as the search of a frame. 0: no sweep. 0 to 255. */
   sweep?: number;
-  /** The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an update grows with the square of 2 `reach` + 1. 4 to 8. */
+  /** The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an update grows with the square of 2 `reach` + 1. At most 7 in a tracker of the small size. 4 to 8. */
   reach?: number;
   /** The part of its value that the confidence keeps in each frame, in units of 1/256. A higher one holds on to the target for longer: through short occlusions, but also through errors. 0 to 255. */
   patience?: number;

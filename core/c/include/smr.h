@@ -634,7 +634,7 @@ typedef struct smr_paper_config {
 typedef struct smr_robust_config {
   /**
    * The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an
-   * update grows with the square of 2 `reach` + 1. 4 to 8.
+   * update grows with the square of 2 `reach` + 1. At most 7 in a tracker of the small size. 4 to 8.
    */
   uint8_t reach;
   /**

@@ -100,7 +100,8 @@ pub struct smr_config {
 
 /// One of the trackers, opaque in C: its constructor and the sizes of its memory.
 pub struct smr_method {
-    pub(crate) is_paper: bool,
+    /// The preset of the robust tracker, with the largest `reach` of its size; `None` for the paper's.
+    pub(crate) robust: Option<robust::Config>,
     pub(crate) target_size: usize,
     pub(crate) workspace_size: usize,
     /// Constructs a tracker and its workspace. Writes nothing if it fails.
@@ -127,8 +128,9 @@ impl smr_config {
         config
     }
 
-    pub(crate) fn robust(&self) -> robust::Config {
-        let mut config = robust::Config::robust();
+    /// The configuration of a robust tracker that has this `preset`.
+    pub(crate) fn robust(&self, preset: &robust::Config) -> robust::Config {
+        let mut config = *preset;
         self.robust.put(&mut config);
         config.backend = self.backend();
         config
@@ -191,7 +193,10 @@ mod tests {
         (other.reach, other.size, other.sweep, other.refiner, other.patience) = (4, false, 2, true, 1);
         (other.lost_below, other.uncertain_below, other.learning_rate, other.early_rate) = (2, 3, 4, 5);
         for config in [robust::Config::robust(), other] {
-            assert_eq!(smr_config { robust: (&config).into(), ..smr_config::EMPTY }.robust(), config);
+            assert_eq!(
+                smr_config { robust: (&config).into(), ..smr_config::EMPTY }.robust(&robust::Config::robust()),
+                config
+            );
         }
     }
 }

@@ -21,7 +21,7 @@ use core::ops::Range;
 use core::ptr::{self, NonNull};
 use smr_core::calls::{self, Checked};
 use smr_core::robust::{Size, Small, Standard};
-use smr_core::{Frame, Rect, Robust, Target, Windows};
+use smr_core::{Frame, Rect, Robust, Target, Windows, robust};
 
 /// A tracker of `smr-core`, with what C needs to construct it.
 pub(crate) trait Method: Target + 'static {
@@ -44,7 +44,7 @@ pub(crate) fn method_of<T: Method>() -> *const smr_method {
 
 impl Method for PaperTarget {
     const METHOD: smr_method = smr_method {
-        is_paper: true,
+        robust: None,
         target_size: PAPER_TARGET_SIZE,
         workspace_size: PAPER_WORKSPACE_SIZE,
         make: make::<Self>,
@@ -59,14 +59,13 @@ impl Method for PaperTarget {
     }
 }
 
-/// A size of the robust tracker, with its memory.
-pub(crate) trait SizeInC: Size {
+/// A size of the robust tracker, with its memory and its preset without the refiner.
+pub(crate) trait SizeInC: Size + Sized {
+    const PRESET: robust::Config = robust::Config::robust().within::<Self>();
     const TARGET_SIZE: usize;
     const WORKSPACE_SIZE: usize;
 
-    fn known(target: &mut Robust<Self>) -> Known<'_>
-    where
-        Self: Sized;
+    fn known(target: &mut Robust<Self>) -> Known<'_>;
 }
 
 impl SizeInC for Standard {
@@ -89,14 +88,14 @@ impl SizeInC for Small {
 
 impl<S: SizeInC> Method for Robust<S> {
     const METHOD: smr_method = smr_method {
-        is_paper: false,
+        robust: Some(S::PRESET),
         target_size: S::TARGET_SIZE,
         workspace_size: S::WORKSPACE_SIZE,
         make: make::<Self>,
     };
 
     fn configuration(config: &smr_config) -> Self::Config {
-        config.robust()
+        config.robust(&S::PRESET)
     }
 
     fn known(&mut self) -> Known<'_> {
@@ -252,7 +251,7 @@ impl<T: Method> Tracked for OwnTracker<T> {
 
     #[cfg(feature = "unstable")]
     fn response_map(&mut self, frame: &Frame<'_>) -> Result<ResponseMap, smr_status> {
-        if T::METHOD.is_paper {
+        if T::METHOD.robust.is_none() {
             return Err(SMR_ERROR_OTHER_METHOD);
         }
         let _ = Checked::update(&self.target, frame)?;

@@ -1,14 +1,14 @@
 //! The calls that fill a configuration: the presets of both trackers, and settings by name.
 
-use crate::capacity::{PaperTarget, SPAN, SmallTarget};
+use crate::capacity::{PaperTarget, SPAN};
 use crate::config::{smr_config, smr_method};
-use crate::method::method_of;
+use crate::method::{SizeInC, method_of};
 use crate::pointer::{self, Out};
 use crate::status::{
     SMR_ERROR_NOT_INITIALISED, SMR_ERROR_SETTING_COUNT, SMR_ERROR_SETTING_UNKNOWN, smr_status, status_of,
 };
 use core::ffi::{CStr, c_char};
-use smr_core::robust::Small;
+use smr_core::robust::{Small, Standard};
 use smr_core::{ConfigError, Robust, Settings, paper, robust};
 
 /// The preset for cameras, with windows that fit the capacity of this library.
@@ -16,9 +16,6 @@ const CAMERA: paper::Config = {
     #[allow(clippy::cast_possible_truncation)] // below 161
     paper::Config::camera_within(if SPAN > 160 { 80 } else { (SPAN as u16 - 1) / 2 })
 };
-
-/// The preset of the small robust tracker.
-const SMALL: robust::Config = robust::Config::robust().within::<Small>();
 
 /// Fills a configuration of the paper tracker with values for cameras. They limit the tracker's time and memory.
 ///
@@ -57,9 +54,7 @@ pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_status {
     // SAFETY: by the header, `config` points to memory for an `smr_config`, if it passes `pointer::check`.
-    status_of(unsafe {
-        fill(config, method_of::<Robust>(), |config| config.robust = (&robust::Config::robust()).into())
-    })
+    status_of(unsafe { fill_robust::<Standard>(config, false) })
 }
 
 /// Fills a configuration of the robust tracker with the refiner: a small learned network that fits the box to a target
@@ -72,10 +67,8 @@ pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_statu
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_refined(config: *mut smr_config) -> smr_status {
-    let mut refined = robust::Config::robust();
-    refined.refiner = true;
     // SAFETY: by the header, `config` points to memory for an `smr_config`, if it passes `pointer::check`.
-    status_of(unsafe { fill(config, method_of::<Robust>(), |config| config.robust = (&refined).into()) })
+    status_of(unsafe { fill_robust::<Standard>(config, true) })
 }
 
 /// Fills a configuration of the small robust tracker without the refiner. It takes 7 KB less memory than that of
@@ -88,7 +81,7 @@ pub unsafe extern "C" fn smr_config_refined(config: *mut smr_config) -> smr_stat
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_small(config: *mut smr_config) -> smr_status {
     // SAFETY: by the header, `config` points to memory for an `smr_config`, if it passes `pointer::check`.
-    status_of(unsafe { fill(config, method_of::<SmallTarget>(), |config| config.robust = (&SMALL).into()) })
+    status_of(unsafe { fill_robust::<Small>(config, false) })
 }
 
 /// Fills a configuration of the small robust tracker with the refiner: see #smr_config_small and #smr_config_refined.
@@ -97,10 +90,17 @@ pub unsafe extern "C" fn smr_config_small(config: *mut smr_config) -> smr_status
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_small_refined(config: *mut smr_config) -> smr_status {
-    let mut refined = SMALL;
-    refined.refiner = true;
     // SAFETY: by the header, `config` points to memory for an `smr_config`, if it passes `pointer::check`.
-    status_of(unsafe { fill(config, method_of::<SmallTarget>(), |config| config.robust = (&refined).into()) })
+    status_of(unsafe { fill_robust::<Small>(config, true) })
+}
+
+/// # Safety
+/// As for [`fill`].
+unsafe fn fill_robust<S: SizeInC>(config: *mut smr_config, refiner: bool) -> Result<(), smr_status> {
+    let mut preset = S::PRESET;
+    preset.refiner = refiner;
+    // SAFETY: as this function.
+    unsafe { fill(config, method_of::<Robust<S>>(), |config| config.robust = (&preset).into()) }
 }
 
 /// # Safety
@@ -165,10 +165,9 @@ pub unsafe extern "C" fn smr_set(
             }
             let (name, values) = (CStr::from_ptr(name), core::slice::from_raw_parts(values, count));
             let mut changed = *now;
-            if method.is_paper {
-                changed.paper = (&with(now.paper(), name, values)?).into();
-            } else {
-                changed.robust = (&with(now.robust(), name, values)?).into();
+            match &method.robust {
+                None => changed.paper = (&with(now.paper(), name, values)?).into(),
+                Some(preset) => changed.robust = (&with(now.robust(preset), name, values)?).into(),
             }
             config.write(changed);
             Ok(())
@@ -194,7 +193,10 @@ pub unsafe extern "C" fn smr_setting_at(
     status_of(unsafe {
         deref(config).and_then(|(config, method)| {
             let out = Out::new(setting)?;
-            out.write(if method.is_paper { at(&config.paper(), index)? } else { at(&config.robust(), index)? });
+            out.write(match &method.robust {
+                None => at(&config.paper(), index)?,
+                Some(preset) => at(&config.robust(preset), index)?,
+            });
             Ok(())
         })
     })
@@ -208,7 +210,7 @@ fn with<C: Settings>(mut config: C, name: &CStr, values: &[u16]) -> Result<C, Co
 }
 
 fn at<C: Settings>(config: &C, index: usize) -> Result<smr_setting, smr_status> {
-    let setting = C::SETTINGS.get(index).ok_or(SMR_ERROR_SETTING_UNKNOWN)?;
+    let setting = config.settings().nth(index).ok_or(SMR_ERROR_SETTING_UNKNOWN)?;
     Ok(smr_setting {
         name: setting.name_with_zero().as_ptr().cast(),
         shape: setting.shape as u8,

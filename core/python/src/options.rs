@@ -11,12 +11,12 @@ use std::ffi::CString;
 pub fn with<C: Settings>(mut config: C, given: Option<&Bound<'_, PyDict>>) -> PyResult<C> {
     for (name, value) in given.into_iter().flatten() {
         let name: String = name.extract()?;
-        let Some(setting) = C::SETTINGS.iter().find(|setting| setting.name() == name) else {
+        let Some(setting) = config.settings().find(|setting| setting.name() == name) else {
             let names: Vec<_> = C::SETTINGS.iter().map(Setting::name).collect();
             return Err(PyTypeError::new_err(format!("no option {name}: expected {}", names.join(", "))));
         };
         let values = numbers(setting.shape, &value)
-            .map_err(|_| PyValueError::new_err(format!("{name}: expected {}, found {value}", expected(setting))))?;
+            .map_err(|_| PyValueError::new_err(format!("{name}: expected {}, found {value}", expected(&setting))))?;
         config.set(&name, &values).map_err(|error| PyValueError::new_err(error.to_string()))?;
     }
     Ok(config)

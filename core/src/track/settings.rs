@@ -107,13 +107,19 @@ pub trait Settings: Numbers {
     /// A description of each setting, in one or two sentences.
     const TEXTS: &'static [&'static str];
 
+    /// All settings, with the ranges of this configuration: the largest `reach` depends on the
+    /// [`Size`](crate::robust::Size) of the tracker.
+    fn settings(&self) -> impl Iterator<Item = Setting> {
+        Self::SETTINGS.iter().map(|&setting| self.limited(setting))
+    }
+
     /// Sets a setting by its name. [`Target::with`](crate::Target::with) later checks it against other settings.
     ///
     /// # Errors
     /// [`ConfigError::UnknownSetting`], [`ConfigError::WrongCount`] or [`ConfigError::OutOfRange`]; nothing is changed.
     fn set(&mut self, name: &str, values: &[u16]) -> Result<(), ConfigError> {
         let (setting, at) = find(Self::SETTINGS, name).ok_or(ConfigError::UnknownSetting)?;
-        setting.check(values)?;
+        self.limited(*setting).check(values)?;
         let mut numbers = self.numbers();
         numbers.as_mut().iter_mut().skip(at).zip(values).for_each(|(place, &value)| *place = value);
         self.put(self.table(), &numbers);
@@ -183,6 +189,8 @@ pub trait Numbers: Copy + Default {
     /// Sets the table and all values. Each value must be in its range.
     fn put(&mut self, table: &'static Table, numbers: &Self::Array);
     fn table(&self) -> &'static Table;
+    /// The setting, with the range that this configuration allows.
+    fn limited(&self, setting: Setting) -> Setting;
     fn check_all(&self) -> Result<(), ConfigError>;
 }
 
@@ -275,20 +283,23 @@ macro_rules! of_type {
     (check $full:ident $($rest:tt)*) => {};
 }
 
-/// Defines a configuration: fields that are no settings, then settings with their types and ranges. `after N` means
-/// that N reserved values, always 1, precede the setting in a record.
+/// Defines a configuration: fields that are no settings, then settings with their types and ranges. `at_most FIELD` means
+/// that this field further limits the range, `after N` that N reserved values, always 1, precede the setting in a record.
 macro_rules! settings {
     (
         $($kind:ident)|+, $least:expr; $(#[$about:meta])*
-        { $($(#[$other_about:meta])* $other:ident: $other_type:ty,)* }
-        $($(#[doc = $text:literal])+ $name:ident: $type:ident, $lowest:literal..=$highest:literal $(after $ones:tt)?;)+
+        { $($(#[$other_about:meta])* $visible:vis $other:ident: $other_type:ty,)* }
+        $(
+            $(#[doc = $text:literal])+
+            $name:ident: $type:ident, $lowest:literal..=$highest:literal $(at_most $most:ident)? $(after $ones:tt)?;
+        )+
     ) => {
         $(#[$about])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         #[non_exhaustive]
         pub struct Config {
-            $($(#[$other_about])* pub $other: $other_type,)*
+            $($(#[$other_about])* $visible $other: $other_type,)*
             $($(#[doc = $text])+ pub $name: $type,)+
         }
 
@@ -296,7 +307,10 @@ macro_rules! settings {
             #[inline(always)]
             #[allow(unused_comparisons, clippy::absurd_extreme_comparisons)] // ranges that are those of the type
             const fn check_ranges(&self) -> Result<(), ConfigError> {
-                $(of_type!(check $type self.$name, stringify!($name), $lowest, $highest);)+
+                $(
+                    $(in_range!(stringify!($name), self.$name as u16, $lowest, self.$most as u16);)?
+                    of_type!(check $type self.$name, stringify!($name), $lowest, $highest);
+                )+
                 Ok(())
             }
         }
@@ -332,6 +346,16 @@ macro_rules! settings {
 
             fn table(&self) -> &'static Table {
                 self.table
+            }
+
+            #[allow(unused_mut)] // if no field limits a setting
+            fn limited(&self, mut setting: Setting) -> Setting {
+                $($(
+                    if setting.name() == stringify!($name) {
+                        setting.highest = self.$most.into();
+                    }
+                )?)+
+                setting
             }
 
             fn check_all(&self) -> Result<(), ConfigError> {

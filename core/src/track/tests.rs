@@ -12,7 +12,7 @@ use super::{
     Answer, ConfigError, LockError, RestoreError, SaveError, Settings, Shape, State, Target, Tracker, UpdateError,
     paper, robust,
 };
-use crate::robust::Small;
+use crate::robust::{Small, Standard};
 use crate::similarity::Table;
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
 use core::fmt::Debug;
@@ -289,10 +289,18 @@ fn a_small_tracker_has_a_smaller_reach() {
     let before = *SmallRobust::new().config();
     assert_eq!((before.reach, before), (7, config.within::<Small>()));
     config.reach = 5;
+    let small = config.within::<Small>();
+    assert_eq!((small.reach, SmallRobust::with(config).map(|target| *target.config())), (5, Ok(small)));
     assert_eq!(
-        (config.within::<Small>(), SmallRobust::with(config).map(|target| target.config().reach)),
-        (config, Ok(5))
+        (small.within::<Standard>(), <Robust>::with(small).map(|target| *target.config())),
+        (config, Ok(config))
     );
+    for mut config in [before, small] {
+        assert_eq!(config.set("reach", &[8]).unwrap_err().to_string(), "reach is 4 to 7, not 8");
+        assert_eq!(config.set("reach", &[7]), Ok(()));
+        config.reach = 8;
+        assert_eq!(config.check().unwrap_err().to_string(), "reach is 4 to 7, not 8");
+    }
     (config.reach, config.uncertain_below) = (9, 0);
     assert_eq!(SmallRobust::with(config).unwrap_err().to_string(), "reach is 4 to 7, not 9");
     config.reach = 7;
@@ -310,15 +318,15 @@ fn settings_have_names<T: Target<Config: Settings + Debug + PartialEq>>(config: 
     let bytes = saved(of_scene::<T>(config).target());
     let refusal = |config| T::with(config).unwrap().restore(&bytes).unwrap_err();
     // The refiner can be on only in a build with its feature.
-    let settings =
-        T::Config::SETTINGS.iter().filter(|setting| setting.name() != "refiner" || cfg!(feature = "refiner"));
+    let settings = config.settings().filter(|setting| setting.name() != "refiner" || cfg!(feature = "refiner"));
     for (setting, place) in settings.flat_map(|setting| (0..setting.shape.count()).map(move |place| (setting, place))) {
         let (name, count) = (setting.name(), setting.shape.count());
         let (mut other, mut values) = (config, config.get(name).unwrap());
         let least = setting.lowest + u16::from(setting.shape == Shape::Fraction);
         values[place] = if values[place] > least { values[place] - 1 } else { values[place] + 1 };
         assert_eq!((other.set(name, &values[..count]), other.get(name)), (Ok(()), Some(values)));
-        assert_eq!(T::Config::of_numbers(&Table::PAPER, &numbers_of(&other)), Ok(other));
+        let restored = T::Config::of_numbers(&Table::PAPER, &numbers_of(&other)).unwrap();
+        assert_eq!(numbers_of(&restored), numbers_of(&other));
         assert_eq!(refusal(other), RestoreError::OtherConfig(name));
         assert_eq!(setting.name_with_zero().strip_suffix('\0'), Some(name));
         assert_eq!(other.set(name, &[1; 3]), Err(ConfigError::WrongCount { name, count }));

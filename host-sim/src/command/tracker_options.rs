@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use smr_core::paper::Config;
 use smr_core::robust::{self, Small};
 use smr_core::similarity::{Backend, Table};
-use smr_core::{ConfigError, Robust, Setting, Settings, Shape, Target};
+use smr_core::{ConfigError, Setting, Settings, Shape};
 use smr_evaluation::{Configs, MethodKind, RobustSize, Variant};
 use smr_files::messages::choice_name;
 use smr_reference::{Numbers, robust as robust_reference};
@@ -117,9 +117,7 @@ impl Known {
             _ => text.split(if shape == Shape::Fraction { '/' } else { 'x' }).map(str::parse).collect(),
         };
         let values = values.ok().filter(|values| values.len() == shape.count());
-        let values = values.with_context(|| format!("expected {}", self.form()))?;
-        self.setting.check(&values)?;
-        Ok(values)
+        values.with_context(|| format!("expected {}", self.form()))
     }
 }
 
@@ -179,6 +177,7 @@ impl TrackerOptions {
     /// to none of `methods`, or is out of range.
     pub fn variants(&self, methods: &[MethodKind]) -> Result<Vec<Variant>> {
         self.check_for(methods)?;
+        self.check_ranges()?;
         let configs = self.configs()?;
         let first = |index: usize| !methods[..index].contains(&methods[index]);
         let variant = |index: usize| {
@@ -241,6 +240,18 @@ impl TrackerOptions {
         Ok(())
     }
 
+    /// Errors: A value is out of the range that the setting has with the preset.
+    fn check_ranges(&self) -> Result<()> {
+        let robust = self.robust_preset();
+        for Given { name, text, values } in &self.set {
+            let own = robust.settings().find(|setting| setting.name() == name);
+            if let Some(setting) = own.or_else(|| Known::of(name).map(|known| known.setting)) {
+                setting.check(values).with_context(|| format!("--set {name}={text}"))?;
+            }
+        }
+        Ok(())
+    }
+
     fn configs(&self) -> Result<Configs> {
         let step = self.step.map_or(u32::MAX, NonZeroU32::get);
         Ok(Configs { paper: self.paper()?, robust: self.robust()?, robust_size: self.robust_size(), step })
@@ -267,11 +278,17 @@ impl TrackerOptions {
     }
 
     fn robust(&self) -> Result<robust::Config> {
-        let mut config = if self.refines() { robust::Config::refined() } else { robust::Config::robust() };
+        let mut config = self.put(self.robust_preset())?;
         config.backend = self.backend;
+        config.check().map_err(|error| both(&config, error))?;
+        Ok(config)
+    }
+
+    fn robust_preset(&self) -> robust::Config {
+        let config = if self.refines() { robust::Config::refined() } else { robust::Config::robust() };
         match self.robust_size() {
-            RobustSize::Standard => self.put_and_check::<Robust>(config),
-            RobustSize::Small => self.put_and_check::<Robust<Small>>(config.within::<Small>()),
+            RobustSize::Standard => config,
+            RobustSize::Small => config.within::<Small>(),
         }
     }
 
@@ -285,12 +302,6 @@ impl TrackerOptions {
             Some(Preset::Small | Preset::SmallRefined) => RobustSize::Small,
             _ => RobustSize::Standard,
         }
-    }
-
-    fn put_and_check<T: Target<Config: Settings>>(&self, config: T::Config) -> Result<T::Config> {
-        let config = self.put(config)?;
-        T::check_config(&config).map_err(|error| both(&config, error))?;
-        Ok(config)
     }
 
     fn put<C: Settings>(&self, mut config: C) -> Result<C> {

@@ -6,7 +6,7 @@
 use smr::{
     PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, ROBUST_SMALL_TARGET_SIZE, ROBUST_SMALL_WORKSPACE_SIZE, ROBUST_TARGET_SIZE,
     ROBUST_WORKSPACE_SIZE, smr_config, smr_config_camera, smr_config_refined, smr_config_robust, smr_config_small,
-    smr_config_small_refined, smr_init, smr_status,
+    smr_config_small_refined, smr_init, smr_set, smr_setting, smr_setting_at, smr_status,
 };
 use std::hint::black_box;
 use std::mem::MaybeUninit;
@@ -129,6 +129,16 @@ fn a_small_tracker_does_not_take_a_large_reach_or_a_large_tracker_its_memory() {
     }
     let small = init::<ROBUST_SMALL_TARGET_SIZE, ROBUST_SMALL_WORKSPACE_SIZE>(far).0;
     assert_eq!(small, smr_status::SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    for (preset, most) in [(filled(smr_config_small_refined), 7), (filled(smr_config_refined), 8)] {
+        let (mut config, mut reach) = (preset, MaybeUninit::<smr_setting>::uninit());
+        // SAFETY: the configuration is filled, there is memory for a setting, and the name ends with a zero.
+        let (highest, set) = unsafe {
+            assert_eq!(smr_setting_at(&raw const config, 2, reach.as_mut_ptr()), smr_status::SMR_OK);
+            let set = |value: u16| smr_set(&raw mut config, c"reach".as_ptr(), &raw const value, 1);
+            (reach.assume_init().highest, [most, most + 1].map(set))
+        };
+        assert_eq!((highest, set), (most, [smr_status::SMR_OK, smr_status::SMR_ERROR_CONFIG_OUT_OF_RANGE]));
+    }
     let robust = init::<ROBUST_SMALL_TARGET_SIZE, ROBUST_WORKSPACE_SIZE>(smr_config_robust).0;
     assert_eq!(robust, smr_status::SMR_ERROR_STORAGE_TOO_SMALL);
     let robust = init::<ROBUST_TARGET_SIZE, ROBUST_SMALL_WORKSPACE_SIZE>(smr_config_robust).0;

@@ -113,7 +113,7 @@ class Robust(Tracker):
 
     - `size`, True or False: The box follows the size of the target.
     - `sweep`, a whole number of 0 to 255: Windows in which each frame is searched for a lost target, besides the one around its last place. From frame to frame they sweep the whole picture. Each takes about as much work as the search of a frame. 0: no sweep.
-    - `reach`, a whole number of 4 to 8: The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an update grows with the square of 2 `reach` + 1.
+    - `reach`, a whole number of 4 to 8: The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an update grows with the square of 2 `reach` + 1. At most 7 in a tracker of the small size.
     - `patience`, a whole number of 0 to 255: The part of its value that the confidence keeps in each frame, in units of 1/256. A higher one holds on to the target for longer: through short occlusions, but also through errors.
     - `lost_below`, a whole number of 0 to 65535: The target is lost while the confidence is below this, in units of 1/65535.
     - `uncertain_below`, a whole number of 0 to 65535: The target is uncertain while the confidence is below this, in units of 1/65535; at least `lost_below`.

@@ -93,13 +93,13 @@ settings! {
     /// ```
     {
         /// The similarity p(d) of two pixels that differ by d. [`Table::PAPER`] is exp(-d / 255).
-        table: &'static Table,
+        pub table: &'static Table,
         /// The backend that computes scores; affects only the time. `None`: the fastest backend of the machine. A
         /// backend that the machine lacks is replaced by [`Backend::Scalar`].
-        backend: Option<Backend>,
+        pub backend: Option<Backend>,
         /// Offsets that cannot change the result are skipped; affects only the time. `false`: every offset is
         /// scored to its last pixel.
-        pruning: bool,
+        pub pruning: bool,
     }
     /// The factor of alpha: the next alpha is `k` times the largest change of a pixel in an update of the template.
     k: Fraction, 1..=65535;

@@ -21,9 +21,11 @@ settings! {
     /// ```
     {
         /// The similarity p(d) of two pixels that differ by d.
-        table: &'static Table,
+        pub table: &'static Table,
         /// The instruction set of the inner loops; affects only the time. `None`: the fastest one that the machine has.
-        backend: Option<Backend>,
+        pub backend: Option<Backend>,
+        /// The largest `reach` of the size of tracker that the configuration is for: see `Config::within`.
+        pub(in crate::track) max_reach: u8,
     }
     /// The box follows the size of the target.
     size: bool, 0..=1;
@@ -31,8 +33,8 @@ settings! {
     /// frame they sweep the whole picture. Each takes about as much work as the search of a frame. 0: no sweep.
     sweep: u8, 0..=255;
     /// The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an
-    /// update grows with the square of 2 `reach` + 1.
-    reach: u8, 4..=8 after 4;
+    /// update grows with the square of 2 `reach` + 1. At most 7 in a tracker of the small size.
+    reach: u8, 4..=8 at_most max_reach after 4;
     /// The part of its value that the confidence keeps in each frame, in units of 1/256. A higher one holds on to the
     /// target for longer: through short occlusions, but also through errors.
     patience: u8, 0..=255;
@@ -58,6 +60,7 @@ impl Config {
         Self {
             table: &PAPER,
             backend: None,
+            max_reach: 8,
             reach: 8,
             size: true,
             sweep: 4,

@@ -206,7 +206,7 @@ impl<S: Size> Target for Robust<S> {
 
     #[inline(always)]
     fn set_config(&mut self, config: Config) {
-        (self.config, self.track) = (Slot::Full(config), None);
+        (self.config, self.track) = (Slot::Full(config.within::<S>()), None);
         self.ticket.end();
     }
 

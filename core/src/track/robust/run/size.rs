@@ -90,16 +90,19 @@ size! {
 }
 
 impl Config {
-    /// This configuration for a tracker of size `S`: lowers `reach` to its largest.
+    /// This configuration for a tracker of size `S`: lowers `reach` and its range to those of the size.
     ///
     /// ```
-    /// use smr_core::robust::{Config, Small};
-    /// assert_eq!(Config::robust().within::<Small>().reach, 7);
+    /// use smr_core::{Settings, robust::{Config, Small}};
+    /// let mut config = Config::robust().within::<Small>();
+    /// assert_eq!(config.reach, 7);
+    /// assert_eq!(config.set("reach", &[8]).unwrap_err().to_string(), "reach is 4 to 7, not 8");
     /// ```
     #[must_use]
     #[allow(clippy::cast_possible_truncation)] // at most 8
     pub const fn within<S: Size>(self) -> Self {
-        if self.reach as u16 > S::REACH { Self { reach: S::REACH as u8, ..self } } else { self }
+        let max_reach = S::REACH as u8;
+        Self { max_reach, reach: if self.reach < max_reach { self.reach } else { max_reach }, ..self }
     }
 }
 
