@@ -82,7 +82,7 @@ impl From<Difference> for End {
     fn from(difference: Difference) -> Self {
         match difference {
             Difference::Answer(_, replayed) => Self::Answer(replayed),
-            Difference::Numbers | Difference::Config(_) => Self::Configuration,
+            Difference::OtherTracker(_) | Difference::Numbers | Difference::Config(_) => Self::Configuration,
             Difference::LockWindow(..) | Difference::Lock(_) => Self::Lock,
             Difference::Restored(_) => Self::Saved,
             _ => Self::Update,

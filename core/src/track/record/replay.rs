@@ -38,6 +38,8 @@ pub enum Stop {
 errors! {
     /// A difference between the record and the replay.
     Difference {
+        /// The record is of a tracker of another kind or size. Contains its letter.
+        OtherTracker(tracker: char) => "the record is of the tracker {tracker} (P: Paper, R: Robust, S: Robust<Small>)",
         /// The recorded configuration is not valid for this tracker in this version, or its similarity table is neither
         /// the paper's nor the one in the `rest` of `Player::new`.
         Numbers => "the configuration is not one of this tracker and version, or its table is another",
@@ -154,7 +156,10 @@ impl<'a, T: Recorded> Player<'a, T> {
 
 #[inline(never)] // keeps its stack out of that of an update
 fn configure<T: Recorded>(tracker: &mut Tracker<T>, begin: &Begin<'_>, rest: &T::Config) -> Result<(), Difference> {
-    let config = begin.config(rest).filter(|_| begin.tracker == T::TRACKER).ok_or(Difference::Numbers)?;
+    if begin.tracker != T::TRACKER {
+        return Err(Difference::OtherTracker(begin.tracker.into()));
+    }
+    let config = begin.config(rest).ok_or(Difference::Numbers)?;
     tracker.configure(config).map_err(Difference::Config)
 }
 
