@@ -8,7 +8,7 @@ use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use smr_core::Robust;
 use smr_core::robust::Small;
-use smr_evaluation::{CoreKind, Origin, Paper, RobustSize, lock};
+use smr_evaluation::{CoreKind, MethodKind, Origin, Paper, RobustSize, Variant, lock};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -17,9 +17,9 @@ pub struct Check {
     /// The recordings; `synthetic`, `periodic` and `border` if none is given
     #[arg(value_name = "SEQ", default_values = smr_recordings::CHECKED)]
     sequences: Vec<PathBuf>,
-    /// The tracker to check
-    #[arg(long, value_enum, default_value = "paper")]
-    method: CoreKind,
+    /// The tracker to check [default: that of --config, else paper]
+    #[arg(long, value_enum)]
+    method: Option<CoreKind>,
     /// Print a JSON array, one object a recording
     #[arg(long)]
     json: bool,
@@ -64,21 +64,26 @@ impl Check {
         result.map(|()| if reports.iter().all(holds) { Outcome::Holds } else { Outcome::CheckFailed })
     }
 
+    fn variant(&self) -> Result<Variant> {
+        let method = self.method.map(MethodKind::from).or_else(|| self.tracker.method());
+        self.tracker.variant(method.unwrap_or(MethodKind::Paper))
+    }
+
     fn check(&self, path: &Path) -> Result<CheckedRecording> {
-        let variant = self.tracker.variant(self.method.into())?;
+        let variant = self.variant()?;
         let configs = &variant.configs;
-        let report = match self.method {
-            CoreKind::Paper => {
-                let numbers = self.tracker.reference_numbers();
-                self.compare::<Paper>(path, (configs.paper, numbers), configs.step, Counts::Paper)?
-            }
-            CoreKind::Robust => {
+        let report = match variant.kind {
+            MethodKind::Robust => {
                 let numbers = self.tracker.robust_reference_numbers();
                 let both = (configs.robust, numbers);
                 match configs.robust_size {
                     RobustSize::Standard => self.compare::<Robust>(path, both, configs.step, Counts::Robust)?,
                     RobustSize::Small => self.compare::<Robust<Small>>(path, both, configs.step, Counts::Robust)?,
                 }
+            }
+            _ => {
+                let numbers = self.tracker.reference_numbers();
+                self.compare::<Paper>(path, (configs.paper, numbers), configs.step, Counts::Paper)?
             }
         };
         Ok(CheckedRecording { origin: variant.origin(), report })
@@ -97,7 +102,7 @@ impl Check {
         let first = frames.next().with_context(|| format!("{name}: no frames"))??.gray;
         let progress = progress::bar(&name, sequence.length.map(|length| length.saturating_sub(1)));
         // Locks a separate tracker before the check, so that a refused box gets the same message as in other commands.
-        let variant = self.tracker.variant(self.method.into())?;
+        let variant = self.variant()?;
         lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
         let mut run = check::Check::<T>::lock(&name, numbers, step, &first, target)?;
         for frame in frames {

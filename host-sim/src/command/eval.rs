@@ -24,7 +24,7 @@ pub struct Eval {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "PATH", required_unless_present = "fault")]
     paths: Vec<PathBuf>,
-    /// The methods to measure, separated by commas [default: paper]
+    /// The methods to measure, separated by commas [default: that of --config, else paper]
     ///
     /// If all recordings are in the paper's table, and no option changes the start or the tracker, the default is every method: both
     /// readings of the paper, the robust tracker, the baselines, and the results of other trackers (--compare).
@@ -175,7 +175,8 @@ impl Eval {
         let says_nothing = self.says_nothing();
         if self.method.is_empty() {
             let is_fault = matches!(protocol, Protocol::Faults(_) | Protocol::Cover);
-            self.method = if is_fault { faults::METHODS.to_vec() } else { vec![MethodKind::Paper] };
+            let method = self.tracker.method().unwrap_or(MethodKind::Paper);
+            self.method = if is_fault { faults::METHODS.to_vec() } else { vec![method] };
         }
         let variants = self.tracker.variants(&self.method)?;
         for variant in &variants {

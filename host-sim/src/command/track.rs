@@ -26,9 +26,9 @@ pub struct Track {
     /// /dev/video0 on Linux; Ctrl-C ends it
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
-    /// The tracker, or a simpler method for comparison
-    #[arg(long, value_enum, default_value = "robust")]
-    method: MethodKind,
+    /// The tracker, or a simpler method for comparison [default: that of --config, else robust]
+    #[arg(long, value_enum)]
+    method: Option<MethodKind>,
     /// The format of the printed boxes [default: tld; csv for several targets]
     ///
     /// Formats for several targets: csv, json, mot, coco, cvat. coco and cvat files are valid only after the last frame.
@@ -86,7 +86,8 @@ impl Track {
         let (boxes, films) = self.outputs();
         let places = Places::of([&self.sequence]).writes("--out", boxes, Some(BOXES));
         films.iter().fold(places, |places, (option, film)| places.writes(option, Some(film), Some(FILM))).check()?;
-        let variant = self.tracker.variant(self.method)?;
+        let method = self.method.or_else(|| self.tracker.method());
+        let variant = self.tracker.variant(method.unwrap_or(MethodKind::Robust))?;
         let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence, true)?;
         let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
         let format = self.format(targets.len())?;

@@ -192,6 +192,11 @@ impl TrackerOptions {
         Ok(self.variants(&[method])?.remove(0))
     }
 
+    /// The method of which `--config` names a preset.
+    pub fn method(&self) -> Option<MethodKind> {
+        self.config.map(Preset::method)
+    }
+
     fn given(&self) -> Map<String, Value> {
         let Ok(Value::Object(mut given)) = serde_json::to_value(self) else { return Map::new() };
         let defaults = [json!(null), json!([]), json!("paper"), json!("refined")];

@@ -30,7 +30,7 @@ pub struct View {
     /// The recording, a camera (/dev/video0), an address (rtsp://...), or `-` (Y4M from standard input)
     #[arg(value_name = "SEQ")]
     source: PathBuf,
-    /// The tracker that follows the targets [default: robust]
+    /// The tracker that follows the targets [default: that of --config, else robust]
     #[arg(long, value_enum)]
     method: Option<MethodKind>,
     /// Read the initial boxes from FILE: CSV with column names, as `track` writes it, or CVAT XML 1.1
@@ -82,7 +82,8 @@ struct Opened {
 impl View {
     pub fn run(self) -> Result<Outcome> {
         Places::of([&self.source]).writes("--session", self.session.as_ref(), None).check()?;
-        let given = self.tracker.variant(self.method.unwrap_or(MethodKind::Robust))?;
+        let method = self.method.or_else(|| self.tracker.method());
+        let given = self.tracker.variant(method.unwrap_or(MethodKind::Robust))?;
         let Opened { name, source, images, length, beside } = self.open()?;
         let targets = self.targets(beside, length).with_context(|| name.clone())?;
         let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.gray;
