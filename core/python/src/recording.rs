@@ -304,7 +304,9 @@ pub fn recordings(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>>
 
 fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     let target = &*tracker.target()?;
-    let (configs, mut options): (Configs, _) = each!(target, of => ((*of.config()).into(), options::all(of.config())));
+    let (mut configs, mut options): (Configs, _) =
+        each!(target, of => ((*of.config()).into(), options::all(of.config())));
+    configs.robust_size = target.size();
     options.insert("preset".to_owned(), tracker.preset.into());
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }

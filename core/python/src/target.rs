@@ -8,8 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
 use smr_core::calls::Checked;
+use smr_core::robust::Small;
 use smr_core::{Answer, ConfigError, Frame, Rect, Robust, Target as Stepping, UpdateError, paper, robust};
-use smr_evaluation::{MethodKind, Refused};
+use smr_evaluation::{MethodKind, Refused, RobustSize};
 use std::cell::RefCell;
 
 /// The paper tracker with host-sim's limits on the pixels of a template and the offsets of a search window.
@@ -19,6 +20,7 @@ type PaperWorkspace = paper::Workspace<{ smr_evaluation::MAX_PIXELS }, { smr_eva
 pub enum Target {
     Paper(Box<Paper>),
     Robust(Box<Robust>),
+    Small(Box<Robust<Small>>),
 }
 
 /// Scratch memory for `lock` and `update`. Any number of targets can share it, but only one call at a time may use it.
@@ -26,6 +28,7 @@ pub enum Target {
 pub struct Scratch {
     paper: Option<Box<PaperWorkspace>>,
     robust: Option<Box<robust::Workspace>>,
+    small: Option<Box<robust::Workspace<Small>>>,
     /// Gray pixels that were converted from another layout.
     gray: Vec<u8>,
 }
@@ -74,6 +77,7 @@ macro_rules! each {
         match $target {
             Target::Paper($of) => $result,
             Target::Robust($of) => $result,
+            Target::Small($of) => $result,
         }
     };
 }
@@ -88,21 +92,30 @@ impl Target {
         Ok(Self::Robust(Box::new(Robust::with(config)?)))
     }
 
+    pub fn small(config: robust::Config) -> Result<Self, ConfigError> {
+        Ok(Self::Small(Box::new(Robust::with(config)?)))
+    }
+
     pub fn kind(&self) -> MethodKind {
         match self {
             Self::Paper(_) => MethodKind::Paper,
-            Self::Robust(_) => MethodKind::Robust,
+            Self::Robust(_) | Self::Small(_) => MethodKind::Robust,
         }
+    }
+
+    pub fn size(&self) -> RobustSize {
+        if matches!(self, Self::Small(_)) { RobustSize::Small } else { RobustSize::Standard }
     }
 
     pub fn lock(&mut self, scratch: &mut Scratch, pixels: &Pixels<'_>, target: Rect) -> PyResult<()> {
         let (bounds, kind) = (pixels.bounds(), self.kind());
         let window = each!(self, of => of.lock_window(bounds, target));
-        let Scratch { paper, robust, gray } = scratch;
+        let Scratch { paper, robust, small, gray } = scratch;
         let frame = pixels.frame([Some(window), None], gray)?;
         let locked = match self {
             Self::Paper(of) => of.lock(paper.get_or_insert_default(), &frame, target),
             Self::Robust(of) => of.lock(robust.get_or_insert_default(), &frame, target),
+            Self::Small(of) => of.lock(small.get_or_insert_default(), &frame, target),
         };
         locked.map(drop).map_err(|error| refused(Refused::or(error.into(), kind, target, bounds)))
     }
@@ -125,11 +138,12 @@ impl Target {
         go_on: impl FnMut() -> PyResult<()>,
     ) -> PyResult<Answer> {
         let windows = each!(self, of => [of.window(), of.sweep_window()]);
-        let Scratch { paper, robust, gray } = scratch;
+        let Scratch { paper, robust, small, gray } = scratch;
         let frame = pixels.frame(windows, gray)?;
         match self {
             Self::Paper(of) => stepped(&mut **of, paper.get_or_insert_default(), &frame, go_on),
             Self::Robust(of) => stepped(&mut **of, robust.get_or_insert_default(), &frame, go_on),
+            Self::Small(of) => stepped(&mut **of, small.get_or_insert_default(), &frame, go_on),
         }
     }
 

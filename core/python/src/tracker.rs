@@ -9,6 +9,7 @@ use pyo3::PyClassInitializer as New;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
+use smr_core::robust::Small;
 use smr_core::{Answer, ConfigError, Rect, Settings, State, Target as _, paper, robust};
 use smr_recordings::BoundingBox;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -35,9 +36,13 @@ pub struct Paper;
 
 /// The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
 ///
-/// `preset` is "refined" or "robust" (without the refiner). Options change its values; `options` shows all.
+/// `preset` is "refined" or "robust" (without the refiner). "small_refined" and "small" take less memory and time, and
+/// have a `reach` of at most 7. Options change its values; `options` shows all.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
+
+/// The name of a preset, its configuration, and the tracker that it is for.
+type Preset<C> = (&'static str, C, fn(C) -> Result<Target, ConfigError>);
 
 fn rect(value: &Bound<'_, PyAny>) -> PyResult<Rect> {
     bounding_box(value)?.pixels().map_err(|what| PyValueError::new_err(format!("the box {what}")))
@@ -57,15 +62,14 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<BoundingBox> {
 impl Tracker {
     /// Creates a tracker from the preset called `name` (by default the first of `presets`), changed by `options`.
     fn new<C: Settings>(
-        presets: [(&'static str, C); 2],
+        presets: &[Preset<C>],
         name: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
-        target: impl FnOnce(C) -> Result<Target, ConfigError>,
     ) -> PyResult<New<Self>> {
-        let [(first, _), (second, _)] = presets;
-        let name = name.map_or_else(|| format!("'{first}'"), |name| format!("{name:?}"));
-        let Some((preset, config)) = presets.into_iter().find(|(preset, _)| name == format!("'{preset}'")) else {
-            return Err(PyValueError::new_err(format!("preset: expected '{first}' or '{second}', found {name}")));
+        let names = presets.iter().map(|(preset, ..)| format!("'{preset}'")).collect::<Vec<_>>();
+        let name = name.map_or_else(|| names[0].clone(), |name| format!("{name:?}"));
+        let Some(&(preset, config, target)) = names.iter().position(|one| *one == name).map(|at| &presets[at]) else {
+            return Err(PyValueError::new_err(format!("preset: expected {}, found {name}", names.join(" or "))));
         };
         let target = Mutex::new(or_value_error(target(with(config, options)?), options)?);
         Ok(New::from(Self { target, preset, answer: Mutex::default() }))
@@ -204,8 +208,9 @@ impl Paper {
     #[new]
     #[pyo3(signature = (preset = None, **options))]
     fn new(preset: Option<&Bound<'_, PyAny>>, options: Option<&Bound<'_, PyDict>>) -> PyResult<New<Self>> {
-        let presets = [("camera", paper::Config::camera()), ("paper", paper::Config::paper())];
-        Ok(Tracker::new(presets, preset, options, Target::paper)?.add_subclass(Self))
+        let presets: [Preset<_>; 2] =
+            [("camera", paper::Config::camera(), Target::paper), ("paper", paper::Config::paper(), Target::paper)];
+        Ok(Tracker::new(&presets, preset, options)?.add_subclass(Self))
     }
 }
 
@@ -214,8 +219,14 @@ impl Robust {
     #[new]
     #[pyo3(signature = (preset = None, **options))]
     fn new(preset: Option<&Bound<'_, PyAny>>, options: Option<&Bound<'_, PyDict>>) -> PyResult<New<Self>> {
-        let presets = [("refined", robust::Config::refined()), ("robust", robust::Config::robust())];
-        Ok(Tracker::new(presets, preset, options, Target::robust)?.add_subclass(Self))
+        let (refined, robust) = (robust::Config::refined(), robust::Config::robust());
+        let presets: [Preset<_>; 4] = [
+            ("refined", refined, Target::robust),
+            ("robust", robust, Target::robust),
+            ("small", robust.within::<Small>(), Target::small),
+            ("small_refined", refined.within::<Small>(), Target::small),
+        ];
+        Ok(Tracker::new(&presets, preset, options)?.add_subclass(Self))
     }
 }
 

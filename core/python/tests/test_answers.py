@@ -18,6 +18,8 @@ TRACKERS = {
     "robust with options": (lambda: smr.Robust(reach=5, patience=200, sweep=0), ["--set=reach=5", "--set=patience=200", "--set=sweep=0"]),
     "robust without the refiner": (lambda: smr.Robust(refiner=False), ["--set=refiner=off"]),
     "the preset robust": (lambda: smr.Robust("robust"), ["--config=robust"]),
+    "small": (lambda: smr.Robust("small"), ["--config=small"]),
+    "small_refined with options": (lambda: smr.Robust("small_refined", reach=6), ["--config=small-refined", "--set=reach=6"]),
     "camera": (smr.Paper, ["--method=paper", "--config=camera"]),
     "paper": (lambda: smr.Paper(preset="paper", k=(7, 20), runner_up_always=True), ["--method=paper", "--set=k=7/20", "--set=runner_up_always=on"]),
 }  # fmt: skip
@@ -134,7 +136,7 @@ def test_lost_targets_are_swept_for_in_color(synthetic):
 
 def test_a_target_goes_on_wherever_it_is_copied(synthetic):
     frames, box = synthetic
-    for make in (smr.Robust, smr.Paper, lambda: smr.Robust("robust", reach=4), lambda: smr.Paper("paper", padding=3)):
+    for make in (smr.Robust, smr.Paper, lambda: smr.Robust("robust", reach=4), lambda: smr.Robust("small", size=False), lambda: smr.Paper("paper", padding=3)):
         tracker = make()
         tracker.init(frames[0], box)
         for frame in frames[1:10]:
@@ -153,7 +155,8 @@ def test_a_target_goes_on_wherever_it_is_copied(synthetic):
 
 def test_restore_finds_the_tracker(synthetic):
     frames, box = synthetic
-    for make in (smr.Robust, lambda: smr.Robust("robust"), smr.Paper, lambda: smr.Paper("paper")):
+    presets = ("refined", "robust", "small", "small_refined")
+    for make in (*(lambda preset=preset: smr.Robust(preset) for preset in presets), smr.Paper, lambda: smr.Paper("paper")):
         tracker = make()
         tracker.init(frames[0], box)
         restored = smr.restore(tracker.save())
@@ -165,6 +168,12 @@ def test_restore_finds_the_tracker(synthetic):
         smr.restore(other.save())
     with pytest.raises(ValueError, match="saved with another configuration: refiner differs"):
         smr.Robust("robust", reach=5).restore(other.save())
+    with pytest.raises(ValueError, match="saved by another tracker, or by one of another size"):
+        smr.Robust("small_refined", reach=5).restore(other.save())
+    for other in (smr.Robust("small", reach=5), smr.Paper(padding=7)):
+        other.init(frames[0], box)
+        with pytest.raises(ValueError, match="saved with another configuration: "):
+            smr.restore(other.save())
 
 
 def test_a_target_goes_on_in_c_and_back(tmp_path):

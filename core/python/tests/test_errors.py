@@ -72,14 +72,16 @@ def test_options_have_ranges():
     for make, words in [
         (lambda: smr.Robust(reach=9), "reach is 4 to 8, not 9"),
         (lambda: smr.Robust(reach=256), "reach is 4 to 8, not 256"),
+        (lambda: smr.Robust("small", reach=8), "reach is 4 to 7, not 8"),
+        (lambda: smr.Robust("small_refined", reach=-1), "reach: expected a whole number of 4 to 7, found -1"),
         (lambda: smr.Robust(lost_below=-1), "lost_below: expected a whole number of 0 to 65535, found -1"),
         (lambda: smr.Robust(size=1), "size: expected True or False, found 1"),
         (lambda: smr.Paper(window=4), "window: expected a tuple of two whole numbers of 0 to 65535, found 4"),
         (lambda: smr.Paper(window=(200, 4)), "window_limit is smaller than window: {'window'"),
         (lambda: smr.Paper(k=(1, 0)), "k is 1 to 65535, not 0"),
         (lambda: smr.Paper("best"), "preset: expected 'camera' or 'paper', found 'best'"),
-        (lambda: smr.Robust("camera"), "preset: expected 'refined' or 'robust', found 'camera'"),
-        (lambda: smr.Robust(5), "preset: expected 'refined' or 'robust', found 5"),
+        (lambda: smr.Robust("camera"), "preset: expected 'refined' or 'robust' or 'small' or 'small_refined', found 'camera'"),
+        (lambda: smr.Robust(5), "preset: expected 'refined' or 'robust' or 'small' or 'small_refined', found 5"),
         (lambda: smr.Group(0), "threads: expected 1 or more, found 0"),
     ]:
         with pytest.raises(ValueError, match=words.replace("{", r"\{")):

@@ -32,6 +32,9 @@ def test_figures_are_those_of_host_sim(host_sim):
         expected = [{name: value for name, value in row.items() if name not in (TIME, "options")} for row in rows]
         assert figures(measured) == expected
         assert all(0 < time < 1e6 for time in measured[TIME])
+    small = json.loads(host_sim("eval", "--robustness", "--config=small", "--starts=1", "border", "--json"))["measured"]
+    expected = [{name: value for name, value in row.items() if name not in (TIME, "options")} for row in small]
+    assert figures(smr.evaluate("border", smr.Robust("small"))) == expected
 
 
 def test_scores_are_those_of_host_sim(host_sim, synthetic):

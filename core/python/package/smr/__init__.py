@@ -25,12 +25,13 @@ def restore(saved: bytes) -> Tracker:
     For other options call `restore` of a tracker that has them. The error names the first option that differs.
     """
     error = None
-    for tracker in (Robust(), Robust("robust"), Paper(), Paper("paper")):
+    robust = [Robust(preset) for preset in ("refined", "robust", "small", "small_refined")]
+    for tracker in (*robust, Paper(), Paper("paper")):
         try:
             tracker.restore(saved)
             return tracker
         except ValueError as refusal:
-            # Prefers the error of a tracker of the saved kind: the other kind only reports that the kind is wrong.
-            if error is None or "by the other tracker" in str(error):
+            # Prefers the error of a tracker of the saved kind and size: the others only report that these are wrong.
+            if error is None or "by another tracker" in str(error):
                 error = refusal
     raise error

@@ -109,7 +109,8 @@ class Paper(Tracker):
 class Robust(Tracker):
     """The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
 
-    `preset` is "refined" or "robust" (without the refiner). Options change its values; `options` shows all.
+    `preset` is "refined" or "robust" (without the refiner). "small_refined" and "small" take less memory and time, and
+    have a `reach` of at most 7. Options change its values; `options` shows all.
 
     - `size`, True or False: The box follows the size of the target.
     - `sweep`, a whole number of 0 to 255: Windows in which each frame is searched for a lost target, besides the one around its last place. From frame to frame they sweep the whole picture. Each takes about as much work as the search of a frame. 0: no sweep.
@@ -123,7 +124,7 @@ class Robust(Tracker):
     """
     def __new__(
         cls,
-        preset: Literal["refined", "robust"] = "refined",
+        preset: Literal["refined", "robust", "small", "small_refined"] = "refined",
         *,
         size: bool = ...,
         sweep: int = ...,

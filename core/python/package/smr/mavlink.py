@@ -26,7 +26,7 @@ except ImportError:
     print("error: there is no module pymavlink: pip install smr-tracker[mavlink]", file=sys.stderr)
     sys.exit(2)
 
-PRESETS = {"refined": Robust, "robust": Robust, "camera": Paper, "paper": Paper}
+PRESETS = {"refined": Robust, "robust": Robust, "small": Robust, "small_refined": Robust, "camera": Paper, "paper": Paper}
 COASTING = 8  # CAMERA_TRACKING_STATUS_FLAGS_COASTING, which older versions of pymavlink do not name.
 STREAMS = {"rtsp": mavlink.VIDEO_STREAM_TYPE_RTSP, "udp": mavlink.VIDEO_STREAM_TYPE_RTPUDP, "tcp": mavlink.VIDEO_STREAM_TYPE_TCP_MPEG}
 RADIUS = 0.05  # What a point gets that comes without one, as a part of the frame's width.
