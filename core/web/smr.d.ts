@@ -111,8 +111,11 @@ export interface PaperOptions {
 
 /** The options of smr_robust_config in smr.h. */
 export interface RobustOptions {
-  /** "refined" (the default) has the refiner, "robust" has not. In firmware: smr_config_refined, smr_config_robust. */
-  preset?: "refined" | "robust";
+  /**
+   * "refined" (the default) has the refiner, "robust" has not. "smallRefined" and "small" take less memory and time, and have a `reach` of at most 7.
+   * In firmware: smr_config_refined, smr_config_robust, smr_config_small_refined, smr_config_small.
+   */
+  preset?: "refined" | "robust" | "small" | "smallRefined";
   /** The box follows the size of the target. */
   size?: boolean;
   /** Windows in which each frame is searched for a lost target, besides the one around its last place. From frame to frame they sweep the whole picture. Each takes about as much work as the search of a frame. 0: no sweep. 0 to 255. */
@@ -146,7 +149,7 @@ export declare class SmrError extends Error {
 export declare class Tracker<Options = PaperOptions | RobustOptions> {
   private constructor();
   readonly method: "paper" | "robust";
-  readonly preset: "camera" | "paper" | "refined" | "robust";
+  readonly preset: "camera" | "paper" | "refined" | "robust" | "small" | "smallRefined";
   /** All options, with the numbers of the preset where none was given. */
   readonly options: Required<Omit<Options, "preset">>;
   /** The answer of the last update since the lock; null before it. */

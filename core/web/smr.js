@@ -16,7 +16,10 @@ export const POOR_QUALITY = 1023;
 
 // The states by their values in the C enum `smr_state`.
 const STATES = Object.values(State);
-const CONFIGS = { paper: { camera: "smr_config_camera", paper: "smr_config_paper" }, robust: { refined: "smr_config_refined", robust: "smr_config_robust" } };
+const CONFIGS = {
+  paper: { camera: "smr_config_camera", paper: "smr_config_paper" },
+  robust: { refined: "smr_config_refined", robust: "smr_config_robust", small: "smr_config_small", smallRefined: "smr_config_small_refined" },
+};
 
 const RECT = struct({ x: i32, y: i32, width: u16, height: u16 });
 const FINE_RECT = struct({ x: i32, y: i32, width: u32, height: u32 });
@@ -190,7 +193,7 @@ class Library {
   #scratch;
   /** Frees the memory of a tracker that was garbage-collected without a call of `free`. */
   left = new FinalizationRegistry((own) => this.give(own));
-  #workspaces = {}; // by method
+  #workspaces = {}; // by size in bytes, which tells the methods and their sizes apart
   #pixels = { at: 0, size: 0 };
 
   constructor(exports) {
@@ -215,10 +218,10 @@ class Library {
     Object.assign(own, { storage: 0, sink: 0, bytes: 0, size: 0 });
   }
 
-  /** Returns the workspace that all trackers of a method share. */
-  workspace(method, size) {
-    this.#workspaces[method] ??= { at: this.memory.take(size), size };
-    return this.#workspaces[method];
+  /** Returns the address of the workspace that all trackers with workspaces of this size share. */
+  workspace(size) {
+    this.#workspaces[size] ??= this.memory.take(size);
+    return this.#workspaces[size];
   }
 
   /** Returns the address of memory for `size` pixels, valid until the next call of this method. */
@@ -251,7 +254,7 @@ class Library {
 export class Tracker {
   /** "paper" or "robust". */
   method;
-  /** "camera" or "paper" for a tracker of the paper; "refined" or "robust" for a robust one. */
+  /** "camera" or "paper" for a tracker of the paper; "refined", "robust", "small" or "smallRefined" for a robust one. */
   preset;
   /** All options, with the values of the preset for those not given. */
   options;
@@ -279,11 +282,12 @@ export class Tracker {
     library.call(CONFIGS[method][preset], config);
     this.options = useOptions(library, config, method, options);
     const size = exports.smr_target_size(config);
-    const workspace = library.workspace(method, exports.smr_workspace_size(config));
+    const room = exports.smr_workspace_size(config);
+    const workspace = library.workspace(room);
     this.#own.storage = memory.take(size);
     library.left.register(this, this.#own, this);
     try {
-      library.call("smr_init", this.#own.storage, size, workspace.at, workspace.size, config, library.at("number"));
+      library.call("smr_init", this.#own.storage, size, workspace, room, config, library.at("number"));
     } catch (error) {
       this.free();
       throw error;

@@ -56,7 +56,8 @@ const OPTIONS = [
   { preset: "robust" }, { preset: 5 }, { preset: Symbol("x") }, { preset: null }, { windowLimit: [1, 1] },
   { runnerUpAlways: 2 }, { runnerUpAlways: "yes" }, { updateZone: [1, 2, 3] }, { constructor: 5 }, { __proto__: null, toString: 1 }, { gateLost: [1, 0] },
 ];
-const ROBUST_OPTIONS = [{ window: [16, 16] }, { reach: 3 }, { reach: 9 }, { lostBelow: 40_000 }, { size: 2 }, { learningRate: 257 }, { earlyRate: 1025 }, { preset: "camera" }];
+const ROBUST_OPTIONS = [{ window: [16, 16] }, { reach: 3 }, { reach: 9 }, { lostBelow: 40_000 }, { size: 2 }, { learningRate: 257 }, { earlyRate: 1025 }, { preset: "camera" },
+  { preset: "small", reach: 8 }];
 
 function* damaged(saved, numbers) {
   yield* [undefined, null, 5, "saved", {}, [...saved], saved.buffer, new Uint8Array(0), new Uint8ClampedArray(saved)];
@@ -186,6 +187,7 @@ test("a saved target of the other tracker or of other options is refused", () =>
   assert.throws(() => robust.restore(paper.save()), { status: "SMR_ERROR_OTHER_METHOD" });
   assert.throws(() => smr.robust({ reach: 7 }).restore(robust.save()), refusal("reach"));
   assert.throws(() => smr.robust({ preset: "robust" }).restore(robust.save()), refusal("refiner"));
+  assert.throws(() => smr.robust({ preset: "smallRefined" }).restore(robust.save()), { status: "SMR_ERROR_OTHER_METHOD" });
 });
 
 test("each option has its place", () => {
@@ -206,9 +208,11 @@ test("each option has its place", () => {
   }
   assert.equal(smr.paper({ preset: "camera" }).options.leastThreshold, 10);
   assert.equal(smr.paper({ preset: "paper" }).options.leastThreshold, 0);
-  assert.deepEqual([smr.robust(), smr.robust({ preset: "robust" })].map(({ preset, options }) => [preset, options.refiner]), [
-    ["refined", true], ["robust", false],
+  const robust = [undefined, "robust", "small", "smallRefined"].map((preset) => smr.robust({ preset }));
+  assert.deepEqual(robust.map(({ preset, options }) => [preset, options.refiner, options.reach]), [
+    ["refined", true, 8], ["robust", false, 8], ["small", false, 7], ["smallRefined", true, 7],
   ]);
+  robust.forEach((tracker) => tracker.free());
 });
 
 test("a tracker tells what it knows", () => {

@@ -9,15 +9,18 @@ import { Recorder } from "../record.js";
 import { State } from "../smr.js";
 import { PROJECT, libraries } from "./library.mjs";
 
-// Options of the paper tracker (P) and of the robust one (R), in the order of the flight record. Each value is the
+// Options of the paper tracker (P) and of the robust one (R, or S of the small size), in the order of the flight record. Each value is the
 // count of 16-bit numbers in that option.
+const ROBUST = { size: 1, sweep: 1, parts: 4, reach: 1, patience: 1, lostBelow: 1, uncertainBelow: 1, learningRate: 1, earlyRate: 1, refiner: 1 };
 const OPTIONS = {
   P: {
     k: 2, gateTracking: 2, gateLeaving: 2, gateReturning: 2, gateLost: 2, gateLead: 1, leastRatio: 1, firstThreshold: 1, leastThreshold: 1, padding: 1,
     window: 2, growth: 1, windowLimit: 2, neighbourhood: 1, runnerUpAlways: 1, updateZone: 4,
   },
-  R: { size: 1, sweep: 1, parts: 4, reach: 1, patience: 1, lostBelow: 1, uncertainBelow: 1, learningRate: 1, earlyRate: 1, refiner: 1 },
+  R: ROBUST,
+  S: ROBUST,
 };
+const PRESETS = { P: "paper", R: "robust", S: "small" };
 const FILES = { "paper.smr": 61, "robust.smr": 85, "refined.smr": 15 };
 const TABLE = 512;
 
@@ -32,7 +35,7 @@ function* entries(record) {
 
 function begun(smr, content) {
   const letter = String.fromCharCode(content[2]);
-  const options = { preset: letter === "P" ? "paper" : "robust" };
+  const options = { preset: PRESETS[letter] };
   let at = 4 + TABLE;
   for (const [name, count] of Object.entries(OPTIONS[letter])) {
     const numbers = Array.from({ length: count }, (_, i) => (at + 2 * i < content.length ? content.readUInt16LE(at + 2 * i) : 0));

@@ -16,7 +16,13 @@ const folder = mkdtempSync(join(tmpdir(), "smr-web-"));
 after(() => rmSync(folder, { recursive: true }));
 const { simd: smr } = await libraries();
 
-const OPTIONS = { paper: ["--method", "paper", "--config", "camera"], robust: ["--method", "robust"] };
+// For each tracker its method and options, and those of host-sim.
+const TRACKERS = {
+  paper: { make: () => smr.paper(), options: ["--config", "camera"] },
+  robust: { make: () => smr.robust(), options: ["--method", "robust"] },
+  small: { make: () => smr.robust({ preset: "small" }), options: ["--config", "small"] },
+  smallRefined: { make: () => smr.robust({ preset: "smallRefined" }), options: ["--config", "small-refined"] },
+};
 const recording = [...frames({ count: 24, side: 20 })];
 // The target is hidden in frames 9 to 16, so that the tracker loses it, searches for it and finds it again.
 const hidden = { ...recording[23], data: recording[23].data.map(() => 90) };
@@ -54,17 +60,17 @@ function printed({ box, fineBox, state, confidence, ratio, alpha, identity, scal
   return { ...boxes, ...parts, ...optional, ...counted, state, found_again: foundAgain };
 }
 
-for (const method of ["paper", "robust"]) {
+for (const [name, { make, options }] of Object.entries(TRACKERS)) {
   for (const [colors, sequence] of [["gray", shown], ["RGBA", shown.map(colored)]]) {
-    test(`${method}: answers for ${colors} frames are those of host-sim`, { skip }, () => {
+    test(`${name}: answers for ${colors} frames are those of host-sim`, { skip }, () => {
       const { x, y, width, height } = sequence[0].box;
-      const lines = run("track", ...OPTIONS[method], "--json", "--init", [x, y, width, height].join(), pictures(colors, sequence));
+      const lines = run("track", ...options, "--json", "--init", [x, y, width, height].join(), pictures(colors, sequence));
       const expected = lines.trim().split("\n").map((line) => JSON.parse(line));
-      const tracker = smr[method]();
+      const tracker = make();
       tracker.lock(sequence[0], sequence[0].box);
       const states = new Set();
       sequence.slice(1).forEach((frame, at) => {
-        const answer = printed(tracker.update(frame), method);
+        const answer = printed(tracker.update(frame), tracker.method);
         const wanted = Object.fromEntries(Object.keys(answer).map((key) => [key, expected[at + 1][key]]));
         assert.deepEqual(answer, wanted, `frame ${at + 2}`);
         states.add(answer.state);
@@ -83,10 +89,14 @@ function replayed(bytes, name) {
   return flights.reduce((sum, { answers }) => sum + answers, 0);
 }
 
-for (const method of ["paper", "robust"]) {
+const RECORDED = {
+  paper: () => smr.paper({ updateZone: [1, 2, 3, 4], k: [1, 3], leastRatio: 9, gateLead: 50, runnerUpAlways: true }),
+  robust: () => smr.robust({ reach: 6, patience: 100 }),
+  small: () => smr.robust({ preset: "smallRefined", patience: 100 }),
+};
+for (const [method, make] of Object.entries(RECORDED)) {
   test(`${method}: host-sim replays a flight record`, { skip }, () => {
-    const options = method === "paper" ? { updateZone: [1, 2, 3, 4], k: [1, 3], leastRatio: 9, gateLead: 50, runnerUpAlways: true } : { reach: 6, patience: 100 };
-    const tracker = smr[method](options);
+    const tracker = make();
     const recorder = new Recorder(tracker);
     tracker.lock(shown[0], shown[0].box);
     shown.slice(1, 12).forEach((frame) => tracker.update(frame));
@@ -101,7 +111,9 @@ for (const method of ["paper", "robust"]) {
     tracker.update(shown[0]);
     assert.deepEqual(recorder.bytes(), bytes);
   });
+}
 
+for (const method of ["paper", "robust"]) {
   test(`${method}: a record keeps the last frames, in bounded memory`, { skip }, () => {
     const most = 400_000;
     const tracker = smr[method]();

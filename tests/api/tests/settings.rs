@@ -52,7 +52,8 @@ fn the_types_of_javascript_have_the_settings() {
     }
     let file = "core/web/smr.d.ts";
     is_recorded(file, "  preset?: \"camera\" | \"paper\";\n", "  plainLoop?", &options::<paper::Config>());
-    is_recorded(file, "  preset?: \"refined\" | \"robust\";\n", "  plainLoop?", &options::<robust::Config>());
+    let preset = "  preset?: \"refined\" | \"robust\" | \"small\" | \"smallRefined\";\n";
+    is_recorded(file, preset, "  plainLoop?", &options::<robust::Config>());
 }
 
 #[test]
