@@ -1,7 +1,7 @@
 // The module `smr` of MicroPython: the trackers of libsmr.a as two classes, Paper and Robust. This file only converts
 // arguments and results; README.md documents the module for users, smr.h the calls.
 //
-// Memory is on MicroPython's heap. A tracker lives in its Python object, which the garbage collector never moves. All trackers of a kind share
+// Memory is on MicroPython's heap. A tracker lives in its Python object, which the garbage collector never moves. All trackers of a kind and size share
 // a workspace, and all share the gray pixels converted from a color camera; a root pointer keeps both from the garbage collector.
 //
 // This source compiles to a part of the firmware or to a native module, which is a file.
@@ -33,7 +33,7 @@ typedef struct {
 
 // Memory that all trackers share.
 typedef struct {
-    void *workspaces[2]; // of Paper and of Robust
+    void *workspaces[3]; // of Paper, of Robust, and of Robust of the small size
     uint8_t *pixels; // gray pixels of the windows
     size_t size; // bytes there
 } shared_t;
@@ -220,21 +220,24 @@ static void set_option(smr_config *config, const mp_obj_type_t *type, mp_obj_t k
     mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%q has no option %s"), type->name, name);
 }
 
-static void set_preset(smr_config *config, bool is_paper, mp_obj_t value) {
-    const bool is_first = mp_obj_equal(value, is_paper ? MP_OBJ_NEW_QSTR(MP_QSTR_camera) : MP_OBJ_NEW_QSTR(MP_QSTR_robust));
-    if (!is_first && !mp_obj_equal(value, is_paper ? MP_OBJ_NEW_QSTR(MP_QSTR_paper) : MP_OBJ_NEW_QSTR(MP_QSTR_refined))) {
-        mp_raise_ValueError(is_paper ? MP_ERROR_TEXT("preset must be 'camera' or 'paper'") : MP_ERROR_TEXT("preset must be 'robust' or 'refined'"));
+// Fills `config` with a preset, by default (MP_OBJ_NULL) the first one. Returns the index of its workspace in `shared_t`.
+static size_t set_preset(smr_config *config, bool is_paper, mp_obj_t preset) {
+    #define IS(name) mp_obj_equal(preset, MP_OBJ_NEW_QSTR(MP_QSTR_##name))
+    const bool is_first = preset == MP_OBJ_NULL || (is_paper ? IS(camera) : IS(robust));
+    const bool is_small = !is_first && !is_paper && IS(small), is_small_refined = !is_first && !is_paper && IS(small_refined);
+    if (!is_first && !is_small && !is_small_refined && !(is_paper ? IS(paper) : IS(refined))) {
+        mp_raise_ValueError(is_paper ? MP_ERROR_TEXT("preset must be 'camera' or 'paper'")
+                                     : MP_ERROR_TEXT("preset must be 'robust', 'refined', 'small' or 'small_refined'"));
     }
-    const smr_status status = is_paper && is_first ? smr_config_camera(config) : is_paper ? smr_config_paper(config)
+    const smr_status status = is_paper ? (is_first ? smr_config_camera(config) : smr_config_paper(config))
+                            : is_small ? smr_config_small(config) : is_small_refined ? smr_config_small_refined(config)
                             : is_first ? smr_config_robust(config) : smr_config_refined(config);
     check(status);
+    return is_paper ? 0 : is_small || is_small_refined ? 2 : 1;
 }
 
-// Applies the preset, then the options in `keywords`. `preset` is the positional argument, or MP_OBJ_NULL.
-static smr_config config_of(const mp_obj_type_t *type, mp_obj_t preset, size_t count, const mp_obj_t *keywords) {
-    const bool is_paper = type == PAPER;
-    smr_config config;
-    check(is_paper ? smr_config_camera(&config) : smr_config_robust(&config));
+// Applies the preset, then the options in `keywords`. `preset` is the positional argument, or MP_OBJ_NULL. Returns as `set_preset`.
+static size_t configure(smr_config *config, const mp_obj_type_t *type, mp_obj_t preset, size_t count, const mp_obj_t *keywords) {
     for (size_t i = 0; i < count; i++) {
         if (keywords[2 * i] == MP_OBJ_NEW_QSTR(MP_QSTR_preset)) {
             if (preset != MP_OBJ_NULL) {
@@ -243,22 +246,20 @@ static smr_config config_of(const mp_obj_type_t *type, mp_obj_t preset, size_t c
             preset = keywords[2 * i + 1];
         }
     }
-    if (preset != MP_OBJ_NULL) {
-        set_preset(&config, is_paper, preset);
-    }
+    const size_t workspace = set_preset(config, type == PAPER, preset);
     for (size_t i = 0; i < count; i++) {
         if (keywords[2 * i] != MP_OBJ_NEW_QSTR(MP_QSTR_preset)) {
-            set_option(&config, type, keywords[2 * i], keywords[2 * i + 1]);
+            set_option(config, type, keywords[2 * i], keywords[2 * i + 1]);
         }
     }
-    return config;
+    return workspace;
 }
 
 static mp_obj_t make_new(const mp_obj_type_t *type, size_t n_args, size_t n_kw, const mp_obj_t *args) {
     mp_arg_check_num(n_args, n_kw, 0, 1, true);
-    const smr_config config = config_of(type, n_args > 0 ? args[0] : MP_OBJ_NULL, n_kw, args + n_args);
+    smr_config config;
+    void **workspace = &SHARED->workspaces[configure(&config, type, n_args > 0 ? args[0] : MP_OBJ_NULL, n_kw, args + n_args)];
     const size_t size = smr_target_size(&config), room = smr_workspace_size(&config);
-    void **workspace = &SHARED->workspaces[type == ROBUST];
     if (*workspace == NULL) {
         *workspace = m_new(uint8_t, room);
     }

@@ -111,16 +111,19 @@ raises(ValueError, "gate_lost must be 1 to 65535", lambda: smr.Paper(gate_lost=(
 raises(ValueError, "window_limit is smaller than window", lambda: smr.Paper(window=(30, 30), window_limit=(29, 30)))
 for reach in 3, 9:
     raises(ValueError, "reach must be 4 to 8", lambda: smr.Robust(reach=reach))
+smr.Robust("small", reach=7), smr.Robust(preset="small")
+raises(ValueError, "reach must be 4 to 7", lambda: smr.Robust("small", reach=8))
 for preset in "robust", 1, "best":
     raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(preset=preset))
     raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(preset))
 raises(ValueError, "padding must be 0 to 65535", lambda: smr.Paper(padding=-1))
 raises(TypeError, "Paper has no option reach", lambda: smr.Paper(reach=5))
-raises(ValueError, "preset must be 'robust' or 'refined'", lambda: smr.Robust(preset="camera"))
+raises(ValueError, "preset must be 'robust', 'refined', 'small' or 'small_refined'", lambda: smr.Robust(preset="camera"))
 smr.Robust(preset="robust", reach=5), smr.Robust("robust", reach=5)
 # The tested module is built without the refiner.
 for make in smr.Robust, lambda preset: smr.Robust(preset=preset):
-    raises(ValueError, "the refiner is on, and this build is without it (feature refiner)", lambda: make("refined"))
+    for preset in "refined", "small_refined":
+        raises(ValueError, "the refiner is on, and this build is without it (feature refiner)", lambda: make(preset))
 same([smr.Paper("paper").lock(still, WIDTH, HEIGHT, BOX)], [smr.Paper(preset="paper").lock(still, WIDTH, HEIGHT, BOX)], "preset by its place")
 raises(TypeError, "preset is given twice", lambda: smr.Paper("camera", preset="camera"))
 raises(TypeError, "", lambda: smr.Paper("camera", 5))
@@ -279,16 +282,20 @@ for kind, other in ((smr.Paper, smr.Robust), (smr.Robust, smr.Paper)):
     again.restore(saved, WIDTH + 1, HEIGHT)
     raises(ValueError, "the frame has another size than the one that was locked on", lambda: again.update(picture(0, WIDTH + 1)))
 
-# Many trackers of both kinds share their workspaces, and each answers as if it were alone.
-alone = [follow(kind()) for kind in KINDS]
-many = [kind() for _ in range(4) for kind in KINDS]
+words = "the target was saved by another tracker, or by one of another size"
+raises(ValueError, words, lambda: smr.Robust("small").restore(saved, WIDTH, HEIGHT))
+
+# Many trackers of all kinds and sizes share their workspaces, and each answers as if it were alone.
+makers = KINDS + (lambda: smr.Robust("small"),)
+alone = [follow(make()) for make in makers]
+many = [make() for _ in range(4) for make in makers]
 answers = [[tracker.lock(still, WIDTH, HEIGHT, BOX)] for tracker in many]
 for frame in FRAMES:
     for tracker, list in zip(many, answers):
         list.append(tracker.update(frame))
         list.append((tracker.window(), tracker.sweep_window()))
 same(answers, 4 * alone, "trackers beside each other")
-del many, answers, list
+del many, answers, list, makers, alone[2]
 
 # With the workspaces already allocated, a tracker allocates only its own memory: at most 4500 bytes (Paper) or 12748
 # (Robust). Robust reserves 1048 of them for the refiner, even in this build without the refiner.

@@ -41,3 +41,4 @@ def follow(name, make):
 follow("camera", smr.Paper)
 follow("paper", lambda: smr.Paper(preset="paper", window_limit=(80, 70)))
 follow("robust", smr.Robust)
+follow("small", lambda: smr.Robust("small"))
