@@ -5,6 +5,7 @@
 use host_sim::check::Check;
 use smr_core::paper::{self, Fraction, Radius};
 use smr_core::record::{Entry, Recorded, Recorder, Replayed, entries, replay};
+use smr_core::robust::Small;
 use smr_core::similarity::Table;
 use smr_core::{Answer, Frame, Rect, Robust, Tracker, UpdateError, robust};
 use smr_recordings::GrayFrame;
@@ -24,6 +25,7 @@ static STEEP: Table = match Table::new(40) {
 /// File in `vectors/`, its number of flights, its number of answers.
 const OF_PAPER: [(&str, u32, u32); 2] = [("paper.smr", 6, 61), ("scale.smr", 1, 4)];
 const OF_ROBUST: [(&str, u32, u32); 2] = [("robust.smr", 13, 85), ("refined.smr", 3, 15)];
+const OF_SMALL: (&str, u32, u32) = ("small.smr", 13, 85);
 
 fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("vectors").join(name)
@@ -37,6 +39,10 @@ fn steep() -> paper::Config {
     let mut config = paper::Config::paper();
     config.table = &STEEP;
     config
+}
+
+fn small() -> robust::Config {
+    robust::Config::robust().within::<Small>()
 }
 
 /// Copies the recorded windows into a whole frame; the other pixels are black.
@@ -122,6 +128,7 @@ fn smr_core_answers_as_the_vectors_say() {
     }
     OF_PAPER.into_iter().for_each(|file| is::<Paper>(file, steep()));
     OF_ROBUST.into_iter().for_each(|file| is::<Robust>(file, robust::Config::robust()));
+    is::<Robust<Small>>(OF_SMALL, small());
 }
 
 #[test]
@@ -135,6 +142,7 @@ fn it_does_so_in_steps() {
     }
     OF_PAPER.into_iter().for_each(|file| replays::<Paper>(file, steep(), stepwise));
     OF_ROBUST.into_iter().for_each(|file| replays::<Robust>(file, robust::Config::robust(), stepwise));
+    replays::<Robust<Small>>(OF_SMALL, small(), stepwise);
 }
 
 #[test]
@@ -147,6 +155,7 @@ fn it_does_so_saved_and_restored_after_every_frame() {
     }
     OF_PAPER.into_iter().for_each(|file| replays::<Paper>(file, steep(), restored));
     OF_ROBUST.into_iter().for_each(|file| replays::<Robust>(file, robust::Config::robust(), restored));
+    replays::<Robust<Small>>(OF_SMALL, small(), restored);
 }
 
 #[test]

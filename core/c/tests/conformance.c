@@ -20,6 +20,7 @@
 typedef union storage {
     smr_paper_target paper;
     smr_robust_target robust;
+    smr_robust_small_target small;
 } storage;
 
 static uint8_t record[256 * 1024];
@@ -29,6 +30,7 @@ static storage whole_storage, part_storage;
 static union {
     smr_paper_workspace paper;
     smr_robust_workspace robust;
+    smr_robust_small_workspace small;
 } shared_workspace;
 static uint8_t pixels[FRAME_PIXELS];
 

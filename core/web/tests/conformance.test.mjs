@@ -21,7 +21,7 @@ const OPTIONS = {
   S: ROBUST,
 };
 const PRESETS = { P: "paper", R: "robust", S: "small" };
-const FILES = { "paper.smr": 61, "robust.smr": 85, "refined.smr": 15 };
+const FILES = { "paper.smr": 61, "robust.smr": 85, "refined.smr": 15, "small.smr": 85 };
 const TABLE = 512;
 
 /** Yields the entries { tag, content } of a flight record. */

@@ -4,6 +4,7 @@ use crate::host_file::HostFile;
 use crate::measure::{Timer, depth, spin, stack};
 use semihosting::process::exit;
 use smr_core::record::{AROUND, Difference, Entry, Found, HEAD, Player, Recorded, first};
+use smr_core::robust::{Size, Small};
 use smr_core::similarity::Backend;
 use smr_core::{Answer, Paper, Robust, Tracker, UpdateError, paper, robust};
 
@@ -23,6 +24,7 @@ type PaperTracker = Paper<128, 121>;
 #[cfg(not(feature = "small"))]
 type PaperTracker = Paper<{ 64 * 64 }, 33>;
 type RobustTracker = Robust;
+type SmallRobust = Robust<Small>;
 
 /// A tracker that can be replayed. All its memory is on the stack, so the measured stack includes it.
 trait Replayed: Recorded {
@@ -46,13 +48,13 @@ impl Replayed for PaperTracker {
     }
 }
 
-impl Replayed for Robust {
+impl<S: Size> Replayed for Robust<S> {
     /// Holds a frame's entry, with search window and sweep window, for targets of up to 48x48 pixels.
     type Buffer = [u8; 48 * 1024];
     const BUFFER: Self::Buffer = [0; 48 * 1024];
 
     fn unrecorded_settings() -> robust::Config {
-        let mut config = robust::Config::robust();
+        let mut config = robust::Config::robust().within::<S>();
         config.backend = BACKEND;
         config
     }
@@ -140,6 +142,7 @@ impl Run {
         match letter {
             [PaperTracker::TRACKER] => self.replay::<PaperTracker>(),
             [RobustTracker::TRACKER] => self.replay::<RobustTracker>(),
+            [SmallRobust::TRACKER] => self.replay::<SmallRobust>(),
             _ => Err(End::Configuration),
         }
     }
