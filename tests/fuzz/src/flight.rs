@@ -9,8 +9,12 @@ use std::sync::LazyLock;
 type Entry = Vec<u8>;
 
 /// Entries of the first flight in each tracker's test vectors.
-static FLIGHTS: LazyLock<[Vec<Entry>; 2]> = LazyLock::new(|| {
-    let records: [&[u8]; 2] = [include_bytes!("../../vectors/paper.smr"), include_bytes!("../../vectors/robust.smr")];
+static FLIGHTS: LazyLock<[Vec<Entry>; 3]> = LazyLock::new(|| {
+    let records: [&[u8]; 3] = [
+        include_bytes!("../../vectors/paper.smr"),
+        include_bytes!("../../vectors/robust.smr"),
+        include_bytes!("../../vectors/small.smr"),
+    ];
     records.map(|record| {
         let mut all = entries(record);
         let next = all.iter().skip(1).position(|entry| entry[..4] == Tag::Begin.bytes());
@@ -29,8 +33,8 @@ pub(crate) fn run(bytes: &[u8]) -> Result<()> {
         assert!(all.work() <= 70 * record.len() as u64, "{} for {} bytes", all.work(), record.len());
         return Ok(());
     }
-    let of_robust = u.ratio(1, 32)?;
-    let mut entries = FLIGHTS[usize::from(of_robust)].clone();
+    let which = if u.ratio(1, 32)? { u.int_in_range(1..=2)? } else { 0 };
+    let mut entries = FLIGHTS[which].clone();
     let changes = u.int_in_range(0..=4_u8)?;
     for _ in 0..changes {
         change(u, &mut entries)?;

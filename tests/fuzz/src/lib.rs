@@ -22,15 +22,29 @@ use smr_core::similarity::Backend;
 
 pub type Run = fn(&[u8]);
 
+/// Evaluates `$result` with `$sized` as the robust tracker of the size that the last byte of `$bytes` chooses.
+macro_rules! of_size {
+    ($bytes:ident, $sized:ident => $result:expr) => {{
+        let (is_small, $bytes) = $bytes.split_last().map_or((false, $bytes), |(last, rest)| (last % 2 == 1, rest));
+        if is_small {
+            type $sized = smr_core::Robust<smr_core::robust::Small>;
+            $result
+        } else {
+            type $sized = smr_core::Robust;
+            $result
+        }
+    }};
+}
+
 /// All fuzz targets, each with its name, which is also its folder in `corpus`.
 pub const TARGETS: &[(&str, Run)] = &[
     ("paper", |bytes| ran(calls::run::<paper::Small>(bytes, &extent::WIDE))),
-    ("robust", |bytes| ran(calls::run::<smr_core::Robust>(bytes, &extent::WIDE))),
+    ("robust", |bytes| ran(of_size!(bytes, Chosen => calls::run::<Chosen>(bytes, &extent::WIDE)))),
     ("paper-short", |bytes| ran(calls::run::<paper::Small>(bytes, &extent::SHORT))),
-    ("robust-short", |bytes| ran(calls::run::<smr_core::Robust>(bytes, &extent::SHORT))),
-    ("robust-huge", |bytes| ran(huge::run(bytes))),
+    ("robust-short", |bytes| ran(of_size!(bytes, Chosen => calls::run::<Chosen>(bytes, &extent::SHORT)))),
+    ("robust-huge", |bytes| ran(of_size!(bytes, Chosen => huge::run::<Chosen>(bytes)))),
     ("saved-paper", |bytes| ran(saved::run::<paper::Small>(bytes))),
-    ("saved-robust", |bytes| ran(saved::run::<smr_core::Robust>(bytes))),
+    ("saved-robust", |bytes| ran(of_size!(bytes, Chosen => saved::run::<Chosen>(bytes)))),
     ("flight", |bytes| ran(flight::run(bytes))),
     ("picture", readers::picture),
     ("pnm", readers::pnm),

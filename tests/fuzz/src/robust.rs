@@ -5,16 +5,54 @@ use crate::scene::Scene;
 use crate::{Fuzzed, Start, mostly, paper, saved};
 use arbitrary::{Result, Unstructured};
 use smr_core::Robust;
-use smr_core::robust::Config;
+use smr_core::robust::{Config, Size, Small, Standard};
 use smr_core::similarity::Backend;
 use std::sync::LazyLock;
 
-impl Fuzzed for Robust {
+/// A size, with the saved targets of its trackers.
+pub(crate) trait FuzzedSize: Size {
+    fn locked() -> &'static [(Scene, Vec<u8>)];
+    fn starts() -> &'static [Start<Config>];
+}
+
+macro_rules! fuzzed_size {
+    ($($size:ident),+) => {$(
+        impl FuzzedSize for $size {
+            fn locked() -> &'static [(Scene, Vec<u8>)] {
+                static LOCKED: LazyLock<Vec<(Scene, Vec<u8>)>> = LazyLock::new(saved::locked::<Robust<$size>>);
+                &LOCKED
+            }
+
+            fn starts() -> &'static [Start<Config>] {
+                static STARTS: LazyLock<Vec<Start<Config>>> = LazyLock::new(starts::<$size>);
+                &STARTS
+            }
+        }
+    )+};
+}
+
+fuzzed_size! { Standard, Small }
+
+fn starts<S: FuzzedSize>() -> Vec<Start<Config>> {
+    // Four configurations: the usual one; one that always loses the target, so that redetection runs; one without scale
+    // search; one with the largest learning rates.
+    let mut configs = [Robust::<S>::usual(); 4];
+    (configs[1].lost_below, configs[1].uncertain_below) = (u16::MAX, u16::MAX);
+    configs[2].size = false;
+    (configs[3].learning_rate, configs[3].early_rate) = (256, 1024);
+    let made = configs.into_iter().flat_map(|config| {
+        let all = saved::locked_by::<Robust<S>>(config).into_iter();
+        all.map(move |(scene, saved)| Start { config, scene, saved })
+    });
+    made.collect()
+}
+
+impl<S: FuzzedSize> Fuzzed for Robust<S> {
     const SIZE_AT: usize = 40;
     const PACE: usize = 1;
 
     fn configuration(u: &mut Unstructured<'_>, _: &Extent) -> Result<Config> {
-        let mut config = Config::refined();
+        let mut config = Config::refined().within::<S>();
         config.reach = if u.ratio(1, 8)? { u.arbitrary()? } else { u.int_in_range(4..=5)? };
         config.backend = paper::backend(u)?;
         let what: u8 = u.arbitrary()?;
@@ -42,7 +80,7 @@ impl Fuzzed for Robust {
     }
 
     fn usual() -> Config {
-        let mut config = Config::refined();
+        let mut config = Config::refined().within::<S>();
         config.reach = 4;
         config
     }
@@ -54,25 +92,11 @@ impl Fuzzed for Robust {
     }
 
     fn locked() -> &'static [(Scene, Vec<u8>)] {
-        static LOCKED: LazyLock<Vec<(Scene, Vec<u8>)>> = LazyLock::new(saved::locked::<Robust>);
-        &LOCKED
+        S::locked()
     }
 
     fn starts() -> &'static [Start<Config>] {
-        static STARTS: LazyLock<Vec<Start<Config>>> = LazyLock::new(|| {
-            // Four configurations: the usual one; one that always loses the target, so that redetection runs; one
-            // without scale search; one with the largest learning rates.
-            let mut configs = [Robust::usual(); 4];
-            (configs[1].lost_below, configs[1].uncertain_below) = (u16::MAX, u16::MAX);
-            configs[2].size = false;
-            (configs[3].learning_rate, configs[3].early_rate) = (256, 1024);
-            let made = configs.into_iter().flat_map(|config| {
-                let all = saved::locked_by::<Robust>(config).into_iter();
-                all.map(move |(scene, saved)| Start { config, scene, saved })
-            });
-            made.collect()
-        });
-        &STARTS
+        S::starts()
     }
 
     fn beside(u: &mut Unstructured<'_>) -> Result<bool> {
