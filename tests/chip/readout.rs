@@ -33,13 +33,13 @@ mod firmware {
         let mut timer = Timer::new(peripherals.SYST);
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
         for (name, format) in [
-            ("gray8", Format::Gray8),
-            ("yuyv", Format::Yuyv),
-            ("uyvy", Format::Uyvy),
-            ("rgb565le", Format::Rgb565Le),
-            ("rgb565be", Format::Rgb565Be),
-            ("bayer8", Format::Bayer8),
-            ("gray10", Format::Gray10),
+            ("gray8", Format::GRAY8),
+            ("yuyv", Format::YUYV),
+            ("uyvy", Format::UYVY),
+            ("rgb565le", Format::RGB565_LE),
+            ("rgb565be", Format::RGB565_BE),
+            ("bayer8", Format::BAYER8),
+            ("gray10", Format::GRAY10),
         ] {
             let (result, ticks) = timer.measure(|| read(format));
             if let Err(why) = result {
@@ -57,7 +57,7 @@ mod firmware {
         static LINE: [u8; 1280] = [90; 1280];
         let mut pixels = [0; 140 * 140];
         let mut readout = Readout::new(black_box(format), SENSOR, WINDOW)?;
-        let mut y = 10 * if format == Format::Bayer8 { 2 } else { 1 };
+        let mut y = 10 * if format == Format::BAYER8 { 2 } else { 1 };
         while !readout.is_complete() {
             readout.push_line(y, black_box(&LINE), &mut pixels)?;
             y += 1;
@@ -69,7 +69,7 @@ mod firmware {
     /// Pushes lines that all lie below the window.
     fn outside() {
         let window = Rect::new(0, 0, 1, 1);
-        let Ok(mut readout) = Readout::new(black_box(Format::Yuyv), SENSOR, window) else { return };
+        let Ok(mut readout) = Readout::new(black_box(Format::YUYV), SENSOR, window) else { return };
         for y in 0..SENSOR.1 {
             let _ = black_box(readout.push_line(y, black_box(&[0; 1280]), &mut [0]));
         }

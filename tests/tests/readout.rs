@@ -27,7 +27,7 @@ fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     ((width, height), target, pictures.collect())
 }
 
-/// The lines of a sensor's picture, each followed by three padding bytes. `Format::Bayer8` has twice as many columns
+/// The lines of a sensor's picture, each followed by three padding bytes. `Format::BAYER8` has twice as many columns
 /// and lines as the picture.
 struct Sensor {
     format: Format,
@@ -37,7 +37,7 @@ struct Sensor {
 
 impl Sensor {
     fn new(format: Format, picture: &[u8], width: u16) -> Self {
-        let scale = if format == Format::Bayer8 { 2 } else { 1 };
+        let scale = if format == Format::BAYER8 { 2 } else { 1 };
         let bytes = format.line_bytes(scale * width);
         let line = |row: &[u8]| (0..bytes).map(|at| row[at * row.len() / bytes]).chain([0x5A; 3]).collect();
         let rows = picture.chunks(width.into()).flat_map(|row| vec![row; scale.into()]);
@@ -76,7 +76,7 @@ fn compare<T: Target>(config: T::Config) -> usize {
             let of = format!("{format:?}, recording {seed}, frame {number}");
             let sensor = Sensor::new(format, picture, width);
             let (_, gray) = sensor.read(&[bounds]);
-            assert!(format != Format::Gray8 || gray == *picture);
+            assert!(format != Format::GRAY8 || gray == *picture);
             let frame = Frame::whole(Image::new(&gray, width, height).unwrap());
             let windows = part.windows().unwrap_or(part.lock_window(bounds, target).into());
             let asked: Vec<Rect> = windows.iter().collect();

@@ -310,7 +310,7 @@ enum smr_status
    */
   SMR_ERROR_UNKNOWN = 34,
   /**
-   * The pixel format is none of #smr_format.
+   * The pixel format is NULL: see #smr_format.
    */
   SMR_ERROR_FORMAT_UNKNOWN = 35,
   /**
@@ -444,50 +444,10 @@ typedef int32_t smr_entry_kind;
 #endif // __cplusplus
 
 /**
- * The format in which a camera sends its pixels.
+ * The format in which a camera sends its pixels: the address of one of the constants SMR_GRAY8 to SMR_GRAY10. A program
+ * links only the formats that it names.
  */
-enum smr_format
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-  /**
-   * One byte per pixel: gray.
-   */
-  SMR_GRAY8 = 0,
-  /**
-   * Two bytes per pixel: Y U Y V. Gray is Y.
-   */
-  SMR_YUYV = 1,
-  /**
-   * Two bytes per pixel: U Y V Y. Gray is Y.
-   */
-  SMR_UYVY = 2,
-  /**
-   * Two bytes per pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471
-   * B + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
-   */
-  SMR_RGB565_BE = 3,
-  /**
-   * RGB565 with the low byte first.
-   */
-  SMR_RGB565_LE = 4,
-  /**
-   * One byte per pixel, behind a mosaic of color filters. 2x2 pixels become one gray pixel: width and height halve.
-   */
-  SMR_BAYER8 = 5,
-  /**
-   * Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are dropped.
-   */
-  SMR_GRAY10 = 6,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum smr_format smr_format;
-#else
-typedef int32_t smr_format;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
+typedef struct smr_format smr_format;
 
 /**
  * One of the trackers, opaque in C: its constructor and the sizes of its memory.
@@ -928,9 +888,9 @@ typedef struct smr_image {
  */
 typedef struct smr_readout {
   /**
-   * The pixel format, a constant of #smr_format.
+   * The pixel format.
    */
-  int32_t format;
+  const struct smr_format *format;
   /**
    * Columns of the sensor.
    */
@@ -1079,6 +1039,42 @@ SMR_UNPACKED(smr_storage, offsetof(struct smr_storage, storage) == SMR_ALIGNMENT
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+/**
+ * One byte per pixel: gray.
+ */
+extern const struct smr_format SMR_GRAY8;
+
+/**
+ * Two bytes per pixel: Y U Y V. Gray is Y.
+ */
+extern const struct smr_format SMR_YUYV;
+
+/**
+ * Two bytes per pixel: U Y V Y. Gray is Y.
+ */
+extern const struct smr_format SMR_UYVY;
+
+/**
+ * Two bytes per pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471
+ * B + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
+ */
+extern const struct smr_format SMR_RGB565_BE;
+
+/**
+ * RGB565 with the low byte first.
+ */
+extern const struct smr_format SMR_RGB565_LE;
+
+/**
+ * One byte per pixel, behind a mosaic of color filters. 2x2 pixels become one gray pixel: width and height halve.
+ */
+extern const struct smr_format SMR_BAYER8;
+
+/**
+ * Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are dropped.
+ */
+extern const struct smr_format SMR_GRAY10;
 
 /**
  * The name of a status, for logs: "SMR_OK" and so on.
@@ -1445,7 +1441,7 @@ smr_status smr_other_setting(const struct smr_tracker *tracker,
  * Pass #smr_windows; before a lock pass #smr_lock_window and an empty one.
  *
  * @param readout  Is filled; need not be initialised. Unchanged after an error.
- * @param format   A constant of #smr_format.
+ * @param format   The address of a constant, such as &SMR_YUYV: see #smr_format.
  * @param columns  Columns of the sensor.
  * @param lines    Lines of the sensor.
  * @param windows  Two windows inside the gray frame. Only the second may be empty.
@@ -1456,7 +1452,7 @@ smr_status smr_other_setting(const struct smr_tracker *tracker,
  *                 #SMR_ERROR_OUTSIDE_FRAME or #SMR_ERROR_BUFFER_TOO_SMALL.
  */
 smr_status smr_readout_begin(struct smr_readout *readout,
-                             int32_t format,
+                             const struct smr_format *format,
                              uint16_t columns,
                              uint16_t lines,
                              const struct smr_rect windows[2],

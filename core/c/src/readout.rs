@@ -10,32 +10,32 @@ use core::{ptr, slice};
 use smr_core::readout::{Format, Readout, ReadoutError};
 use smr_core::{Rect, Windows};
 
-/// The format in which a camera sends its pixels.
-#[repr(i32)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum smr_format {
-    /// One byte per pixel: gray.
-    SMR_GRAY8 = 0,
-    /// Two bytes per pixel: Y U Y V. Gray is Y.
-    SMR_YUYV = 1,
-    /// Two bytes per pixel: U Y V Y. Gray is Y.
-    SMR_UYVY = 2,
-    /// Two bytes per pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471
-    /// B + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
-    SMR_RGB565_BE = 3,
-    /// RGB565 with the low byte first.
-    SMR_RGB565_LE = 4,
-    /// One byte per pixel, behind a mosaic of color filters. 2x2 pixels become one gray pixel: width and height halve.
-    SMR_BAYER8 = 5,
-    /// Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are dropped.
-    SMR_GRAY10 = 6,
-}
+/// The format in which a camera sends its pixels: the address of one of the constants SMR_GRAY8 to SMR_GRAY10. A program
+/// links only the formats that it names.
+pub struct smr_format(Format);
 
-// `Format::ALL` is in the order of the constants of `smr_format`.
-const _: () = {
-    use Format::{Bayer8, Gray8, Gray10, Rgb565Be, Rgb565Le, Uyvy, Yuyv};
-    assert!(matches!(Format::ALL, [Gray8, Yuyv, Uyvy, Rgb565Be, Rgb565Le, Bayer8, Gray10]));
-};
+/// One byte per pixel: gray.
+#[unsafe(no_mangle)]
+pub static SMR_GRAY8: smr_format = smr_format(Format::GRAY8);
+/// Two bytes per pixel: Y U Y V. Gray is Y.
+#[unsafe(no_mangle)]
+pub static SMR_YUYV: smr_format = smr_format(Format::YUYV);
+/// Two bytes per pixel: U Y V Y. Gray is Y.
+#[unsafe(no_mangle)]
+pub static SMR_UYVY: smr_format = smr_format(Format::UYVY);
+/// Two bytes per pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471
+/// B + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
+#[unsafe(no_mangle)]
+pub static SMR_RGB565_BE: smr_format = smr_format(Format::RGB565_BE);
+/// RGB565 with the low byte first.
+#[unsafe(no_mangle)]
+pub static SMR_RGB565_LE: smr_format = smr_format(Format::RGB565_LE);
+/// One byte per pixel, behind a mosaic of color filters. 2x2 pixels become one gray pixel: width and height halve.
+#[unsafe(no_mangle)]
+pub static SMR_BAYER8: smr_format = smr_format(Format::BAYER8);
+/// Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are dropped.
+#[unsafe(no_mangle)]
+pub static SMR_GRAY10: smr_format = smr_format(Format::GRAY10);
 
 /// The state of a frame that is being read out. #smr_readout_begin fills it; programs read only `line`.
 ///
@@ -51,8 +51,8 @@ const _: () = {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_readout {
-    /// The pixel format, a constant of #smr_format.
-    pub format: i32,
+    /// The pixel format.
+    pub format: *const smr_format,
     /// Columns of the sensor.
     pub columns: u16,
     /// Lines of the sensor.
@@ -105,8 +105,8 @@ impl smr_readout {
     }
 
     fn format(&self) -> Result<Format, smr_status> {
-        let known = usize::try_from(self.format).ok().and_then(|number| Format::ALL.get(number));
-        known.copied().ok_or(SMR_ERROR_FORMAT_UNKNOWN)
+        // SAFETY: by the header, `format` is NULL or the address of a constant of this file.
+        unsafe { self.format.as_ref() }.map(|format| format.0).ok_or(SMR_ERROR_FORMAT_UNKNOWN)
     }
 
     /// Checks the fields and makes a `Readout` of them. Does not touch the pixels, which another call may be writing.
@@ -136,7 +136,7 @@ impl smr_readout {
 /// Pass #smr_windows; before a lock pass #smr_lock_window and an empty one.
 ///
 /// @param readout  Is filled; need not be initialised. Unchanged after an error.
-/// @param format   A constant of #smr_format.
+/// @param format   The address of a constant, such as &SMR_YUYV: see #smr_format.
 /// @param columns  Columns of the sensor.
 /// @param lines    Lines of the sensor.
 /// @param windows  Two windows inside the gray frame. Only the second may be empty.
@@ -149,7 +149,7 @@ impl smr_readout {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_readout_begin(
     readout: *mut smr_readout,
-    format: i32,
+    format: *const smr_format,
     columns: u16,
     lines: u16,
     windows: *const smr_rect,

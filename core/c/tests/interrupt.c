@@ -70,7 +70,7 @@ int main(void)
         smr_frame frame;
         smr_status status;
         switch_interrupt(SIG_BLOCK);
-        status = smr_readout_begin(&readout, SMR_GRAY8, WIDTH, LINES, windows, pixels, sizeof pixels);
+        status = smr_readout_begin(&readout, &SMR_GRAY8, WIDTH, LINES, windows, pixels, sizeof pixels);
         next_line = 0;
         switch_interrupt(SIG_UNBLOCK);
         if (status != SMR_OK) {

@@ -11,6 +11,10 @@
 #define HEIGHT 72
 #define STRIDE (2 * WIDTH + 6)
 
+/* Indices of `formats`. */
+enum { GRAY8, YUYV, UYVY, RGB565_BE, RGB565_LE, BAYER8, GRAY10 };
+static const smr_format *const formats[] = {&SMR_GRAY8, &SMR_YUYV, &SMR_UYVY, &SMR_RGB565_BE, &SMR_RGB565_LE, &SMR_BAYER8, &SMR_GRAY10};
+
 static unsigned failed, tried;
 
 static void hold(const char *what, unsigned line, int holds)
@@ -23,7 +27,7 @@ static void hold(const char *what, unsigned line, int holds)
 }
 #define HOLD(condition) hold(#condition, __LINE__, (condition))
 
-/* The bytes that a camera sends; a mosaic (SMR_BAYER8) has twice as many lines. */
+/* The bytes that a camera sends; a mosaic (BAYER8) has twice as many lines. */
 static uint8_t sent[2 * HEIGHT * STRIDE];
 static uint8_t gray[WIDTH * HEIGHT], read_pixels[2 * WIDTH * HEIGHT];
 
@@ -54,18 +58,18 @@ static void expose(int format, int frame)
             unsigned rgb = (unsigned)level(frame, x, y) * 257u;
             *meant = level(frame, x, y);
             switch (format) {
-            case SMR_GRAY8: line[x] = *meant; break;
-            case SMR_YUYV: line[2 * x] = *meant; break;
-            case SMR_UYVY: line[2 * x + 1] = *meant; break;
-            case SMR_RGB565_BE: line[2 * x] = (uint8_t)(rgb >> 8); line[2 * x + 1] = (uint8_t)rgb; *meant = (uint8_t)luma(rgb); break;
-            case SMR_RGB565_LE: line[2 * x + 1] = (uint8_t)(rgb >> 8); line[2 * x] = (uint8_t)rgb; *meant = (uint8_t)luma(rgb); break;
-            case SMR_BAYER8:
+            case GRAY8: line[x] = *meant; break;
+            case YUYV: line[2 * x] = *meant; break;
+            case UYVY: line[2 * x + 1] = *meant; break;
+            case RGB565_BE: line[2 * x] = (uint8_t)(rgb >> 8); line[2 * x + 1] = (uint8_t)rgb; *meant = (uint8_t)luma(rgb); break;
+            case RGB565_LE: line[2 * x + 1] = (uint8_t)(rgb >> 8); line[2 * x] = (uint8_t)rgb; *meant = (uint8_t)luma(rgb); break;
+            case BAYER8:
                 line = sent + 2 * y * STRIDE;
                 line[2 * x] = *meant; line[2 * x + 1] = (uint8_t)(*meant + 9);
                 line[STRIDE + 2 * x] = (uint8_t)(*meant + 4); line[STRIDE + 2 * x + 1] = (uint8_t)(*meant + 1);
                 *meant = (uint8_t)(((2u * *meant + 9) / 2 + (2u * *meant + 6) / 2) / 2);
                 break;
-            default: line[x / 4 * 5 + x % 4] = *meant; break; /* SMR_GRAY10 */
+            default: line[x / 4 * 5 + x % 4] = *meant; break; /* GRAY10 */
             }
         }
     }
@@ -88,8 +92,8 @@ static smr_frame read_out(int format, const smr_rect windows[2])
 {
     smr_readout readout;
     smr_frame frame;
-    uint16_t scale = format == SMR_BAYER8 ? 2 : 1, y;
-    smr_status status = smr_readout_begin(&readout, format, scale * WIDTH, scale * HEIGHT, windows, read_pixels, sizeof read_pixels);
+    uint16_t scale = format == BAYER8 ? 2 : 1, y;
+    smr_status status = smr_readout_begin(&readout, formats[format], scale * WIDTH, scale * HEIGHT, windows, read_pixels, sizeof read_pixels);
     memset(&frame, 0, sizeof frame);
     HOLD(status == SMR_OK);
     for (y = 0; y < scale * HEIGHT; y++) {
@@ -160,7 +164,7 @@ static void follow(int format)
 int main(void)
 {
     int format;
-    for (format = SMR_GRAY8; format <= SMR_GRAY10; format++) {
+    for (format = GRAY8; format <= GRAY10; format++) {
         two_windows(format);
         follow(format);
     }

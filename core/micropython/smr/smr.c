@@ -129,6 +129,25 @@ static mp_obj_t rect(mp_int_t x, mp_int_t y, mp_int_t width, mp_int_t height) {
 
 // Frames
 
+#define FORMATS(FORMAT) FORMAT(GRAY8) FORMAT(YUYV) FORMAT(UYVY) FORMAT(RGB565_BE) FORMAT(RGB565_LE) FORMAT(BAYER8) FORMAT(GRAY10)
+
+// Pixel formats as numbers, for Python.
+enum {
+    #define FORMAT(name) FORMAT_##name,
+    FORMATS(FORMAT)
+    #undef FORMAT
+};
+
+// NULL if the number is none of a format.
+static const smr_format *format_of(int32_t number) {
+    switch (number) {
+        #define FORMAT(name) case FORMAT_##name: return &SMR_##name;
+        FORMATS(FORMAT)
+        #undef FORMAT
+        default: return NULL;
+    }
+}
+
 // A picture from Python: a buffer of pixels with its format, size and stride.
 typedef struct {
     mp_obj_t buffer;
@@ -140,8 +159,8 @@ typedef struct {
 // Bytes of a line without padding.
 static size_t line_bytes(const picture_t *picture) {
     switch (picture->format) {
-        case SMR_YUYV: case SMR_UYVY: case SMR_RGB565_BE: case SMR_RGB565_LE: return 2 * (size_t)picture->width;
-        case SMR_GRAY10: return ((size_t)picture->width + 3) / 4 * 5;
+        case FORMAT_YUYV: case FORMAT_UYVY: case FORMAT_RGB565_BE: case FORMAT_RGB565_LE: return 2 * (size_t)picture->width;
+        case FORMAT_GRAY10: return ((size_t)picture->width + 3) / 4 * 5;
         default: return picture->width;
     }
 }
@@ -172,7 +191,7 @@ static uint8_t *pixels(size_t size) {
 
 // The frame for a call. Gray pictures are read in place; of other formats the pixels in the windows are converted to gray.
 static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
-    const bool is_gray = picture->format == SMR_GRAY8;
+    const bool is_gray = picture->format == FORMAT_GRAY8;
     const size_t size = area(&windows[0]) + area(&windows[1]);
     uint8_t *gray = is_gray ? NULL : pixels(size);
     // Gets the buffer after the allocation, which may collect garbage and so run a finaliser that changes the buffer.
@@ -182,7 +201,7 @@ static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
     }
     smr_readout readout;
     smr_frame frame;
-    check(smr_readout_begin(&readout, picture->format, picture->width, picture->height, windows, gray, size));
+    check(smr_readout_begin(&readout, format_of(picture->format), picture->width, picture->height, windows, gray, size));
     const smr_status status = smr_readout_lines(&readout, bytes.buf, bytes.len, picture->stride);
     check_line(status, readout.line);
     check(smr_readout_frame(&readout, &frame));
@@ -279,7 +298,7 @@ static mp_obj_t lock(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
         { MP_QSTR_width, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
         { MP_QSTR_height, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
         { MP_QSTR_box, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
-        { MP_QSTR_format, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(SMR_GRAY8) } },
+        { MP_QSTR_format, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(FORMAT_GRAY8) } },
         { MP_QSTR_stride, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(0) } },
     };
     mp_arg_val_t values[MP_ARRAY_SIZE(allowed)];
@@ -290,8 +309,8 @@ static mp_obj_t lock(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
     const smr_rect target = box_of(values[BOX].u_obj);
     const picture_t picture = picture_of(values[BUFFER].u_obj, width, height, values[FORMAT].u_obj, values[STRIDE].u_obj);
     smr_rect windows[2] = { { 0, 0, 0, 0 }, { 0, 0, 0, 0 } };
-    if (picture.format != SMR_GRAY8) {
-        const uint16_t side = picture.format == SMR_BAYER8 ? 2 : 1; // of a mosaic, 2x2 pixels are one of the frame
+    if (picture.format != FORMAT_GRAY8) {
+        const uint16_t side = picture.format == FORMAT_BAYER8 ? 2 : 1; // of a mosaic, 2x2 pixels are one of the frame
         check(smr_lock_window(self->tracker, width / side, height / side, &target, &windows[0]));
     }
     const smr_frame frame = frame_of(&picture, windows);
@@ -341,7 +360,7 @@ static mp_obj_t update(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) 
     enum { BUFFER, FORMAT, STRIDE, WORK };
     TABLE mp_arg_t allowed[] = {
         { MP_QSTR_buffer, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
-        { MP_QSTR_format, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(SMR_GRAY8) } },
+        { MP_QSTR_format, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(FORMAT_GRAY8) } },
         { MP_QSTR_stride, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(0) } },
         { MP_QSTR_work, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(0) } },
     };
@@ -423,8 +442,6 @@ WINDOW(sweep_window, 1)
 
 // Lists of the methods and constants, by macros, because the firmware and the native module define them differently.
 #define METHODS(METHOD) METHOD(lock) METHOD(update) METHOD(moved) METHOD(save) METHOD(restore) METHOD(window) METHOD(sweep_window)
-#define NUMBERS(NUMBER) \
-    NUMBER(GRAY8) NUMBER(YUYV) NUMBER(UYVY) NUMBER(RGB565_BE) NUMBER(RGB565_LE) NUMBER(BAYER8) NUMBER(GRAY10) NUMBER(POOR_QUALITY)
 #define STATES(STATE) STATE(TRACKING, tracking) STATE(LEAVING, leaving) STATE(UNCERTAIN, uncertain) STATE(LOST, lost)
 #define TEXT(number) #number
 #define JOINED(major, minor, patch) TEXT(major) "." TEXT(minor) "." TEXT(patch)
@@ -449,8 +466,9 @@ mp_obj_t mpy_init(mp_obj_fun_bc_t *self, size_t n_args, size_t n_kw, mp_obj_t *a
     METHODS(METHOD)
     add_type(&smr_type_paper, MP_QSTR_Paper, methods);
     add_type(&smr_type_robust, MP_QSTR_Robust, methods);
-    #define NUMBER(name) mp_store_global(MP_QSTR_##name, MP_OBJ_NEW_SMALL_INT(SMR_##name));
-    NUMBERS(NUMBER)
+    #define FORMAT(name) mp_store_global(MP_QSTR_##name, MP_OBJ_NEW_SMALL_INT(FORMAT_##name));
+    FORMATS(FORMAT)
+    mp_store_global(MP_QSTR_POOR_QUALITY, MP_OBJ_NEW_SMALL_INT(SMR_POOR_QUALITY));
     #define STATE(name, word) mp_store_global(MP_QSTR_##name, MP_OBJ_NEW_QSTR(smr_states[SMR_##name] = MP_QSTR_##word));
     STATES(STATE)
     mp_store_global(MP_QSTR___version__, mp_obj_new_str(VERSION, sizeof(VERSION) - 1));
@@ -486,8 +504,9 @@ static const mp_rom_map_elem_t globals_table[] = {
     { MP_ROM_QSTR(MP_QSTR___init__), MP_ROM_PTR(&init_obj) },
     { MP_ROM_QSTR(MP_QSTR_Paper), MP_ROM_PTR(&smr_type_paper) },
     { MP_ROM_QSTR(MP_QSTR_Robust), MP_ROM_PTR(&smr_type_robust) },
-    #define NUMBER(name) { MP_ROM_QSTR(MP_QSTR_##name), MP_ROM_INT(SMR_##name) },
-    NUMBERS(NUMBER)
+    #define FORMAT(name) { MP_ROM_QSTR(MP_QSTR_##name), MP_ROM_INT(FORMAT_##name) },
+    FORMATS(FORMAT)
+    { MP_ROM_QSTR(MP_QSTR_POOR_QUALITY), MP_ROM_INT(SMR_POOR_QUALITY) },
     #define STATE(name, word) { MP_ROM_QSTR(MP_QSTR_##name), MP_ROM_QSTR(MP_QSTR_##word) },
     STATES(STATE)
 };

@@ -1,64 +1,84 @@
 //! The pixel formats of cameras, and their conversion to gray.
 
 use super::Rect;
+use core::fmt;
 
-/// A camera's pixel format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Format {
-    /// One gray byte per pixel.
-    Gray8,
-    /// Two bytes a pixel: Y U Y V. Gray is Y.
-    Yuyv,
-    /// Two bytes a pixel: U Y V Y. Gray is Y.
-    Uyvy,
-    /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is `(19595 R + 38470 G + 7471
-    /// B + 32768) >> 16`, with R, G and B widened to eight bits by repeating their high bits.
-    Rgb565Be,
-    /// Two bytes a pixel as in [`Format::Rgb565Be`], but the low byte first.
-    Rgb565Le,
-    /// Bayer mosaic of color filters in any order, one byte per pixel. Halves width and height: each 2x2 block becomes
-    /// one gray pixel, `((a + b) / 2 + (c + d + 1) / 2) / 2` with a and b in the upper line, c and d in the lower.
-    Bayer8,
-    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): four bytes of high bits, one of low bits (ignored).
-    Gray10,
+/// The bytes of a pixel, or of a group of four.
+#[derive(Clone, Copy)]
+enum Bytes {
+    APixel(u8),
+    FourPixels(u8),
+}
+
+/// A camera's pixel format: one of the constants. A program links only the formats that it names.
+#[derive(Clone, Copy)]
+pub struct Format {
+    name: &'static str,
+    bytes: Bytes,
+    /// Columns and lines of a gray pixel: 2 if true, else 1.
+    is_mosaic: bool,
+    /// Converts a line into gray pixels, from a gray column on. The flag is false only for the lower line of a block.
+    convert: fn(&[u8], usize, bool, &mut [u8]),
 }
 
 impl Format {
+    /// One gray byte per pixel.
+    pub const GRAY8: Self = Self::new("GRAY8", Bytes::APixel(1), |line, x, _, gray| copy(gray, from(line, x)));
+    /// Two bytes a pixel: Y U Y V. Gray is Y.
+    pub const YUYV: Self =
+        Self::new("YUYV", Bytes::APixel(2), |line, x, _, gray| every_second(gray, from(line, 2 * x), |[y, _]| y));
+    /// Two bytes a pixel: U Y V Y. Gray is Y.
+    pub const UYVY: Self =
+        Self::new("UYVY", Bytes::APixel(2), |line, x, _, gray| every_second(gray, from(line, 2 * x), |[_, y]| y));
+    /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is `(19595 R + 38470 G + 7471
+    /// B + 32768) >> 16`, with R, G and B widened to eight bits by repeating their high bits.
+    pub const RGB565_BE: Self = Self::new("RGB565_BE", Bytes::APixel(2), |line, x, _, gray| {
+        fill(gray, from(line, 2 * x).as_chunks().0.iter().map(|&pair| luma(u16::from_be_bytes(pair))));
+    });
+    /// Two bytes a pixel as in [`Format::RGB565_BE`], but the low byte first.
+    pub const RGB565_LE: Self = Self::new("RGB565_LE", Bytes::APixel(2), |line, x, _, gray| {
+        fill(gray, from(line, 2 * x).as_chunks().0.iter().map(|&pair| luma(u16::from_le_bytes(pair))));
+    });
+    /// Bayer mosaic of color filters in any order, one byte per pixel. Halves width and height: each 2x2 block becomes
+    /// one gray pixel, `((a + b) / 2 + (c + d + 1) / 2) / 2` with a and b in the upper line, c and d in the lower.
+    pub const BAYER8: Self = Self {
+        is_mosaic: true,
+        ..Self::new("BAYER8", Bytes::APixel(1), |line, x, is_upper, gray| {
+            let line = from(line, 2 * x);
+            if is_upper { blocks(gray, line, |_, blocks| means(blocks, 0)) } else { blocks(gray, line, lower_means) }
+        })
+    };
+    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): four bytes of high bits, one of low bits (ignored).
+    pub const GRAY10: Self = Self::new("GRAY10", Bytes::FourPixels(5), |line, x, _, gray| packed(gray, line, x));
+
     /// All formats.
     pub const ALL: [Self; 7] =
-        [Self::Gray8, Self::Yuyv, Self::Uyvy, Self::Rgb565Be, Self::Rgb565Le, Self::Bayer8, Self::Gray10];
+        [Self::GRAY8, Self::YUYV, Self::UYVY, Self::RGB565_BE, Self::RGB565_LE, Self::BAYER8, Self::GRAY10];
+
+    const fn new(name: &'static str, bytes: Bytes, convert: fn(&[u8], usize, bool, &mut [u8])) -> Self {
+        Self { name, bytes, is_mosaic: false, convert }
+    }
 
     /// (width, height) of the gray frame from a sensor of (`columns`, `lines`) pixels.
     #[must_use]
     pub const fn gray_size(self, (columns, lines): (u16, u16)) -> (u16, u16) {
-        match self {
-            Self::Bayer8 => (columns / 2, lines / 2),
-            _ => (columns, lines),
-        }
+        (columns >> self.is_mosaic as u16, lines >> self.is_mosaic as u16)
     }
 
     /// The length in bytes of a line of `columns` pixels.
     #[must_use]
     pub const fn line_bytes(self, columns: u16) -> usize {
-        let columns = columns as usize;
-        match self {
-            Self::Gray8 | Self::Bayer8 => columns,
-            Self::Yuyv | Self::Uyvy | Self::Rgb565Be | Self::Rgb565Le => 2 * columns,
-            Self::Gray10 => columns.div_ceil(4) * 5,
+        match self.bytes {
+            Bytes::APixel(bytes) => columns as usize * bytes as usize,
+            Bytes::FourPixels(bytes) => (columns as usize).div_ceil(4) * bytes as usize,
         }
-    }
-
-    const fn lines_a_row(self) -> u16 {
-        if matches!(self, Self::Bayer8) { 2 } else { 1 }
     }
 
     /// The first sensor line of `window`, and the line after its last. Both fit in a `u16`, because the window is
     /// inside the frame.
     pub(super) fn lines_of(self, window: Rect) -> (u16, u16) {
         let top = u16::try_from(window.y).unwrap_or(u16::MAX);
-        let lines = self.lines_a_row();
+        let lines = 1 + u16::from(self.is_mosaic);
         (top.saturating_mul(lines), top.saturating_add(window.height).saturating_mul(lines))
     }
 
@@ -67,27 +87,37 @@ impl Format {
         if !(start..end).contains(&y) {
             return;
         }
-        let (line, lines) = (y - start, self.lines_a_row());
+        let line = y - start;
         let width = usize::from(window.width);
-        let start = usize::from(line / lines) * width;
+        let start = usize::from(line >> u16::from(self.is_mosaic)) * width;
         let row = pixels.get_mut(start..start + width).unwrap_or_default();
-        self.convert(bytes, usize::try_from(window.x).unwrap_or(0), line.is_multiple_of(lines), row);
+        (self.convert)(bytes, usize::try_from(window.x).unwrap_or(0), !self.is_mosaic || line.is_multiple_of(2), row);
     }
+}
 
-    /// Converts `line` into `gray`, from gray column `x` on. `is_upper` is false only for a Bayer block's lower line.
-    fn convert(self, line: &[u8], x: usize, is_upper: bool, gray: &mut [u8]) {
-        let from = |start: usize| line.get(start..).unwrap_or(&[]);
-        match self {
-            Self::Gray8 => copy(gray, from(x)),
-            Self::Yuyv => every_second(gray, from(2 * x), |[y, _]| y),
-            Self::Uyvy => every_second(gray, from(2 * x), |[_, y]| y),
-            Self::Rgb565Be => fill(gray, from(2 * x).as_chunks().0.iter().map(|&pair| luma(u16::from_be_bytes(pair)))),
-            Self::Rgb565Le => fill(gray, from(2 * x).as_chunks().0.iter().map(|&pair| luma(u16::from_le_bytes(pair)))),
-            Self::Bayer8 if is_upper => blocks(gray, from(2 * x), |_, blocks| means(blocks, 0)),
-            Self::Bayer8 => blocks(gray, from(2 * x), lower_means),
-            Self::Gray10 => packed(gray, line, x),
-        }
+impl PartialEq for Format {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
     }
+}
+
+impl Eq for Format {}
+
+impl fmt::Debug for Format {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name)
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl defmt::Format for Format {
+    fn format(&self, formatter: defmt::Formatter<'_>) {
+        defmt::write!(formatter, "{=str}", self.name);
+    }
+}
+
+fn from(line: &[u8], start: usize) -> &[u8] {
+    line.get(start..).unwrap_or_default()
 }
 
 fn copy(gray: &mut [u8], line: &[u8]) {

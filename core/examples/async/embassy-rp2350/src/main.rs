@@ -30,7 +30,7 @@ use static_cell::ConstStaticCell;
 
 const WIDTH: u16 = 320;
 const HEIGHT: u16 = 240;
-const FORMAT: Format = Format::Yuyv;
+const FORMAT: Format = Format::YUYV;
 const LINE_BYTES: usize = FORMAT.line_bytes(WIDTH);
 /// Size of the buffer `GRAY` in pixels: two windows of at most a whole frame each.
 const PIXELS: usize = 2 * WIDTH as usize * HEIGHT as usize;

@@ -24,7 +24,7 @@ pub struct Order {
 
 impl Order {
     fn new(window: smr_core::Rect, pixels: &'static mut [u8; PIXELS]) -> Option<Self> {
-        Some(Self { readout: Readout::new(Format::Gray8, (WIDTH, HEIGHT), window).ok()?, pixels })
+        Some(Self { readout: Readout::new(Format::GRAY8, (WIDTH, HEIGHT), window).ok()?, pixels })
     }
 }
 

@@ -22,7 +22,7 @@ static smr_status to_gray(const uint8_t *yuyv, size_t stride)
 {
 	const smr_rect all[2] = {{0, 0, WIDTH, HEIGHT}};
 	smr_readout readout;
-	smr_status status = smr_readout_begin(&readout, SMR_YUYV, WIDTH, HEIGHT, all, gray, sizeof(gray));
+	smr_status status = smr_readout_begin(&readout, &SMR_YUYV, WIDTH, HEIGHT, all, gray, sizeof(gray));
 
 	return status == SMR_OK ? smr_readout_lines(&readout, yuyv, stride * HEIGHT, stride) : status;
 }
