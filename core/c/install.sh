@@ -5,7 +5,8 @@
 # TARGET is a target of Rust, such as thumbv7em-none-eabihf; without it, the library is built for this machine. If the compiler in use
 # lacks the target, .ci/target-cargo finds another compiler or reports what to install.
 # --refiner builds the library with the refiner, so that smr_init accepts the configuration of smr_config_refined. Both packages tell
-# whether the library has the refiner, yes or no: pkg-config --variable=refiner smr, and smr_REFINER of CMake.
+# whether the library has the refiner, yes or no: pkg-config --variable=refiner smr, and smr_REFINER of CMake; and define SMR_REFINER,
+# without which a program reserves the refiner's memory.
 #
 # Environment:
 #   SMR_PIXELS, SMR_SPAN   the largest box and window. Both packages define them, so that programs are compiled with equal values.
@@ -45,7 +46,7 @@ fi
 
 number() { sed -n "s/^#define SMR_VERSION_$1 //p" "$here/include/smr.h"; }
 version=$(number MAJOR).$(number MINOR).$(number PATCH)
-definitions=()
+definitions=("SMR_REFINER=$([ "$refiner" = no ] && echo 0 || echo 1)")
 [ -z "${SMR_PIXELS:-}" ] || definitions+=("SMR_PIXELS=$SMR_PIXELS")
 [ -z "${SMR_SPAN:-}" ] || definitions+=("SMR_SPAN=$SMR_SPAN")
 # On a host libsmr.a contains Rust's standard library, which needs system libraries; --gc-sections drops unused parts.

@@ -72,6 +72,15 @@
 #error "SMR_PIXELS must be 1 to 65537 (more pixels could overflow a score), SMR_SPAN at least 1"
 #endif
 
+/**
+ * 1 if the library has the refiner, 0 if not: the packages for CMake and pkg-config define it. Without a definition it is 1,
+ * and storage has room for either library; with 0 a robust tracker takes 1056 bytes less. If the library has the refiner and
+ * your program defines 0, #smr_init returns #SMR_ERROR_STORAGE_TOO_SMALL.
+ */
+#ifndef SMR_REFINER
+#define SMR_REFINER 1
+#endif
+
 /** The most pixels of the early template, which the robust tracker keeps from the first frames. */
 #define SMR_ROBUST_PIXELS 1600
 /** The most pixels of the early template of the small robust tracker. */
@@ -88,13 +97,13 @@
 /** The most bytes that #smr_save writes for the paper tracker. */
 #define SMR_PAPER_SAVED_SIZE (sizeof(char) * (SMR_PIXELS) + 94)
 /** Bytes of storage for one robust tracker, a constant expression. */
-#define SMR_ROBUST_TARGET_SIZE (12408 + 10 * sizeof(size_t))
+#define SMR_ROBUST_TARGET_SIZE (11352 + 1056 * (SMR_REFINER) + 10 * sizeof(size_t))
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
 #define SMR_ROBUST_WORKSPACE_SIZE (39672 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */
 #define SMR_ROBUST_SAVED_SIZE 12356
 /** Bytes of storage for one small robust tracker, a constant expression. */
-#define SMR_ROBUST_SMALL_TARGET_SIZE (10280 + 10 * sizeof(size_t))
+#define SMR_ROBUST_SMALL_TARGET_SIZE (9224 + 1056 * (SMR_REFINER) + 10 * sizeof(size_t))
 /** Bytes of a workspace for any number of small robust trackers, a constant expression. */
 #define SMR_ROBUST_SMALL_WORKSPACE_SIZE (34624 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a small robust tracker. */

@@ -31,9 +31,8 @@ pub const PAPER_WORKSPACE_SIZE: usize =
 /// Largest size of a saved target of the paper tracker, in bytes: `SMR_PAPER_SAVED_SIZE` in the header.
 pub const PAPER_SAVED_SIZE: usize = PIXELS + 94;
 
-/// Bytes that the refiner adds to a robust tracker. The size in the header always includes them, so that one header
-/// fits libraries with and without the refiner.
-pub(crate) const REFINER: usize = 1056;
+/// Bytes that the refiner adds to a robust tracker of this library: 0 without it. In the header `SMR_REFINER` decides.
+pub const REFINER: usize = if <Robust as Target>::SAVED_SIZE == ROBUST_SAVED_SIZE { 1056 } else { 0 };
 /// Bytes that the refiner adds to a saved target.
 const SAVED_REFINER: usize = 1046;
 

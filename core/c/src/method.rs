@@ -4,7 +4,7 @@
 
 use crate::answer::smr_answer;
 use crate::capacity::{
-    ALIGNMENT, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, REFINER, ROBUST_SMALL_TARGET_SIZE,
+    ALIGNMENT, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PaperTarget, ROBUST_SMALL_TARGET_SIZE,
     ROBUST_SMALL_WORKSPACE_SIZE, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES, SmallTarget,
 };
 use crate::config::{smr_config, smr_method};
@@ -139,9 +139,9 @@ impl<T: Method> Scratch<T> {
 const _: () = assert!(
     fits::<Stored<PaperTarget>>(PAPER_TARGET_SIZE, 0)
         && fits::<Scratch<PaperTarget>>(PAPER_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
-        && fits::<Stored<Robust>>(ROBUST_TARGET_SIZE, REFINER)
+        && fits::<Stored<Robust>>(ROBUST_TARGET_SIZE, 0)
         && fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
-        && fits::<Stored<SmallTarget>>(ROBUST_SMALL_TARGET_SIZE, REFINER)
+        && fits::<Stored<SmallTarget>>(ROBUST_SMALL_TARGET_SIZE, 0)
         && fits::<Scratch<SmallTarget>>(ROBUST_SMALL_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
 );
 

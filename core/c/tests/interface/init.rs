@@ -141,6 +141,8 @@ fn a_small_tracker_does_not_take_a_large_reach_or_a_large_tracker_its_memory() {
     }
     let robust = init::<ROBUST_SMALL_TARGET_SIZE, ROBUST_WORKSPACE_SIZE>(smr_config_robust).0;
     assert_eq!(robust, smr_status::SMR_ERROR_STORAGE_TOO_SMALL);
+    let without = init::<{ ROBUST_TARGET_SIZE - 1056 }, ROBUST_WORKSPACE_SIZE>(smr_config_robust).0;
+    assert_eq!(without, smr_status::SMR_ERROR_STORAGE_TOO_SMALL, "storage without this library's refiner");
     let robust = init::<ROBUST_TARGET_SIZE, ROBUST_SMALL_WORKSPACE_SIZE>(smr_config_robust).0;
     assert_eq!(robust, smr_status::SMR_ERROR_WORKSPACE_TOO_SMALL);
 }
