@@ -319,7 +319,7 @@ enum smr_status
    */
   SMR_ERROR_UNKNOWN = 34,
   /**
-   * The pixel format is NULL: see #smr_format.
+   * The pixel format is NULL, or the frame is to be shrunk by another number than 1 to 4.
    */
   SMR_ERROR_FORMAT_UNKNOWN = 35,
   /**
@@ -917,6 +917,10 @@ typedef struct smr_readout {
    */
   uint16_t line;
   /**
+   * The frame is shrunk by this: 1 to 4.
+   */
+  uint16_t shrink;
+  /**
    * The windows to keep. If there is no second one, its width and height are 0.
    */
   struct smr_rect windows[2];
@@ -1032,7 +1036,7 @@ SMR_SIZE(smr_frame, 44, 72);
 SMR_SIZE(smr_fine_rect, 16, 16);
 SMR_SIZE(smr_answer, 52, 52);
 SMR_SIZE(smr_image, 8, 16);
-SMR_SIZE(smr_readout, 44, 56);
+SMR_SIZE(smr_readout, 48, 64);
 SMR_SIZE(smr_recorder, 20, 32);
 SMR_SIZE(smr_entry, 196, 240);
 #ifndef __i386__ /* where members of a struct have an alignment of at most 4 */
@@ -1467,6 +1471,35 @@ smr_status smr_readout_begin(struct smr_readout *readout,
                              const struct smr_rect windows[2],
                              uint8_t *pixels,
                              size_t size);
+
+/**
+ * #smr_readout_begin for a frame that is shrunk as its lines arrive, so that a large target needs a small buffer: each
+ * of its pixels is the mean of `shrink` x `shrink` gray pixels. Windows, boxes and answers are in pixels of the small
+ * frame, whose size is that of the gray frame divided by `shrink`.
+ *
+ * The first of the lines of a block stores the means of `shrink` pixels, rounded. The k-th moves the stored pixel by the
+ * k-th part of its difference to the mean of the new line, `(difference * ceil(65536 / k) + 32768) >> 16`. The result
+ * is at most 1.0, 1.4 or 1.7 gray levels from the exact mean (`shrink` = 2, 3, 4), with #SMR_BAYER8 at most 2.2, 2.8 or
+ * 3.2.
+ *
+ * @param readout  As of #smr_readout_begin, and so for all that is not named here.
+ * @param format   See above.
+ * @param columns  See above.
+ * @param lines    See above.
+ * @param shrink   1 to 4; with 1 the call is #smr_readout_begin. #SMR_ERROR_FORMAT_UNKNOWN for another number.
+ * @param windows  Two windows inside the small frame.
+ * @param pixels   See above.
+ * @param size     See above.
+ * @return         As #smr_readout_begin.
+ */
+smr_status smr_readout_begin_shrunk(struct smr_readout *readout,
+                                    const struct smr_format *format,
+                                    uint16_t columns,
+                                    uint16_t lines,
+                                    uint16_t shrink,
+                                    const struct smr_rect windows[2],
+                                    uint8_t *pixels,
+                                    size_t size);
 
 /**
  * Converts a line of the sensor, for example in a DMA interrupt: see #smr_readout. Lines must come in order; lines

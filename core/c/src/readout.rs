@@ -7,7 +7,7 @@ use crate::status::{
 };
 use core::sync::atomic::{Ordering, compiler_fence};
 use core::{ptr, slice};
-use smr_core::readout::{Format, Readout, ReadoutError};
+use smr_core::readout::{Format, Readout, ReadoutError, Shrink};
 use smr_core::{Rect, Windows};
 
 /// The format in which a camera sends its pixels: the address of one of the constants SMR_GRAY8 to SMR_GRAY10. A program
@@ -61,6 +61,8 @@ pub struct smr_readout {
     pub next: u16,
     /// Index of the line that caused the last error SMR_ERROR_LINE_...
     pub line: u16,
+    /// The frame is shrunk by this: 1 to 4.
+    pub shrink: u16,
     /// The windows to keep. If there is no second one, its width and height are 0.
     pub windows: [smr_rect; 2],
     /// The gray pixels of the first window, then those of the second.
@@ -105,8 +107,15 @@ impl smr_readout {
     }
 
     fn format(&self) -> Result<Format, smr_status> {
+        let shrink = match self.shrink {
+            1 => Shrink::By1,
+            2 => Shrink::By2,
+            3 => Shrink::By3,
+            4 => Shrink::By4,
+            _ => return Err(SMR_ERROR_FORMAT_UNKNOWN),
+        };
         // SAFETY: by the header, `format` is NULL or the address of a constant of this file.
-        unsafe { self.format.as_ref() }.map(|format| format.0).ok_or(SMR_ERROR_FORMAT_UNKNOWN)
+        unsafe { self.format.as_ref() }.map(|format| format.0.shrunk(shrink)).ok_or(SMR_ERROR_FORMAT_UNKNOWN)
     }
 
     /// Checks the fields and makes a `Readout` of them. Does not touch the pixels, which another call may be writing.
@@ -156,10 +165,45 @@ pub unsafe extern "C" fn smr_readout_begin(
     pixels: *mut u8,
     size: usize,
 ) -> smr_status {
+    // SAFETY: as of the call.
+    unsafe { smr_readout_begin_shrunk(readout, format, columns, lines, 1, windows, pixels, size) }
+}
+
+/// #smr_readout_begin for a frame that is shrunk as its lines arrive, so that a large target needs a small buffer: each
+/// of its pixels is the mean of `shrink` x `shrink` gray pixels. Windows, boxes and answers are in pixels of the small
+/// frame, whose size is that of the gray frame divided by `shrink`.
+///
+/// The first of the lines of a block stores the means of `shrink` pixels, rounded. The k-th moves the stored pixel by the
+/// k-th part of its difference to the mean of the new line, `(difference * ceil(65536 / k) + 32768) >> 16`. The result
+/// is at most 1.0, 1.4 or 1.7 gray levels from the exact mean (`shrink` = 2, 3, 4), with #SMR_BAYER8 at most 2.2, 2.8 or
+/// 3.2.
+///
+/// @param readout  As of #smr_readout_begin, and so for all that is not named here.
+/// @param format   See above.
+/// @param columns  See above.
+/// @param lines    See above.
+/// @param shrink   1 to 4; with 1 the call is #smr_readout_begin. #SMR_ERROR_FORMAT_UNKNOWN for another number.
+/// @param windows  Two windows inside the small frame.
+/// @param pixels   See above.
+/// @param size     See above.
+/// @return         As #smr_readout_begin.
+/// cbindgen:ptrs-as-arrays=[[windows; 2]]
+#[unsafe(no_mangle)]
+#[allow(clippy::too_many_arguments)] // as smr_readout_begin, and one more
+pub unsafe extern "C" fn smr_readout_begin_shrunk(
+    readout: *mut smr_readout,
+    format: *const smr_format,
+    columns: u16,
+    lines: u16,
+    shrink: u16,
+    windows: *const smr_rect,
+    pixels: *mut u8,
+    size: usize,
+) -> smr_status {
     let begin = || {
         // SAFETY: by the header, `readout` points to memory for a readout, and `windows` to two rectangles.
         let (readout, windows) = unsafe { (Out::new(readout)?, pointer::read(windows.cast::<[smr_rect; 2]>())?) };
-        let begun = smr_readout { format, columns, lines, next: 0, line: 0, windows, pixels, size };
+        let begun = smr_readout { format, columns, lines, next: 0, line: 0, shrink, windows, pixels, size };
         begun.core_readout()?;
         readout.write(begun);
         Ok(())

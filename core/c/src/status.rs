@@ -98,7 +98,7 @@ statuses! {
     SMR_ERROR_SAVED_TOO_LARGE = 33,
     /// An error for which this interface has no number yet.
     SMR_ERROR_UNKNOWN = 34,
-    /// The pixel format is NULL: see #smr_format.
+    /// The pixel format is NULL, or the frame is to be shrunk by another number than 1 to 4.
     SMR_ERROR_FORMAT_UNKNOWN = 35,
     /// The line arrived already, or a later line did.
     SMR_ERROR_LINE_OUT_OF_ORDER = 36,

@@ -578,6 +578,9 @@ static void readouts(void)
     smr_frame frame;
     EXPECT(smr_readout_begin(NULL, &SMR_GRAY8, ACROSS, DOWN, one, first, sizeof first), SMR_ERROR_NULL);
     EXPECT(smr_readout_begin(&readout, NULL, ACROSS, DOWN, one, first, sizeof first), SMR_ERROR_FORMAT_UNKNOWN);
+    EXPECT(smr_readout_begin_shrunk(&readout, &SMR_GRAY8, ACROSS, DOWN, 0, one, first, sizeof first), SMR_ERROR_FORMAT_UNKNOWN);
+    EXPECT(smr_readout_begin_shrunk(&readout, &SMR_GRAY8, ACROSS, DOWN, 5, one, first, sizeof first), SMR_ERROR_FORMAT_UNKNOWN);
+    EXPECT(smr_readout_begin_shrunk(&readout, &SMR_GRAY8, ACROSS, DOWN, 4, outside, first, sizeof first), SMR_ERROR_OUTSIDE_FRAME);
     EXPECT(smr_readout_begin(&readout, &SMR_GRAY8, ACROSS, DOWN, NULL, first, sizeof first), SMR_ERROR_NULL);
     EXPECT(smr_readout_begin(&readout, &SMR_GRAY8, ACROSS, DOWN, one, NULL, 99), SMR_ERROR_NULL);
     EXPECT(smr_readout_begin(&readout, &SMR_GRAY8, ACROSS, DOWN, one, first, 31), SMR_ERROR_BUFFER_TOO_SMALL);

@@ -161,9 +161,39 @@ static void follow(int format)
     }
 }
 
+/* A shrunk frame has the means of blocks, as the header defines them. */
+static void shrunk(int n)
+{
+    const smr_rect windows[2] = {{2, 1, (uint16_t)(WIDTH / n - 2), (uint16_t)(HEIGHT / n - 1)}, {0, 0, 0, 0}};
+    smr_readout readout;
+    smr_frame frame;
+    int x, y, i, k;
+    expose(YUYV, 5);
+    HOLD(smr_readout_begin_shrunk(&readout, &SMR_YUYV, WIDTH, HEIGHT, (uint16_t)n, windows, read_pixels, sizeof read_pixels) == SMR_OK);
+    HOLD(smr_readout_lines(&readout, sent, sizeof sent, STRIDE) == SMR_OK);
+    HOLD(smr_readout_frame(&readout, &frame) == SMR_OK);
+    HOLD(frame.width == WIDTH / n && frame.height == HEIGHT / n);
+    for (y = 0; y < windows[0].height; y++) {
+        for (x = 0; x < windows[0].width; x++) {
+            int mean = 0;
+            for (k = 1; k <= n; k++) {
+                const uint8_t *of = gray + ((y + 1) * n + k - 1) * WIDTH + (x + 2) * n;
+                int sum = 0;
+                for (i = 0; i < n; i++) sum += of[i];
+                mean += ((((2 * sum + n) / (2 * n)) - mean) * ((65536 + k - 1) / k) + 32768 + (1 << 24)) / 65536 - 256;
+            }
+            HOLD(frame.parts[0].pixels[y * windows[0].width + x] == mean);
+        }
+    }
+}
+
 int main(void)
 {
     int format;
+    shrunk(1);
+    shrunk(2);
+    shrunk(3);
+    shrunk(4);
     for (format = GRAY8; format <= GRAY10; format++) {
         two_windows(format);
         follow(format);

@@ -55,7 +55,7 @@
 //!
 //! [`Tracker::windows`]: crate::Tracker::windows
 
-pub use super::pixel_formats::Format;
+pub use super::pixel_formats::{Format, Shrink};
 use super::windows::area;
 use super::{Frame, Rect, Windows};
 
@@ -271,6 +271,42 @@ mod tests {
                     for (x, &level) in (window.x as usize..).zip(row) {
                         prop_assert_eq!(level, gray(format, &bytes, stride, x, y), "{:?} at {},{}", format, x, y);
                     }
+                }
+            }
+        }
+    }
+
+    /// Bytes of all levels, or only 0 and 255, in random order.
+    fn levels() -> impl Strategy<Value = Vec<u8>> {
+        let extreme = any::<bool>().prop_map(|is_white| if is_white { 255 } else { 0 });
+        let of = |level: BoxedStrategy<u8>| prop::collection::vec(level, 30 * 80);
+        prop_oneof![of(any::<u8>().boxed()), of(extreme.boxed())]
+    }
+
+    proptest! {
+        #[test]
+        fn a_shrunk_frame_has_the_means_of_blocks(
+            format in proptest::sample::select(&[Format::GRAY8, Format::YUYV, Format::BAYER8][..]),
+            (n, shrink) in proptest::sample::select(&[(2, Shrink::By2), (3, Shrink::By3), (4, Shrink::By4)][..]),
+            bytes in levels(),
+        ) {
+            let (sensor, small) = ((40, 30), format.shrunk(shrink).gray_size((40, 30)));
+            let (is_mosaic, side) = (format == Format::BAYER8, usize::from(40 / small.0));
+            let bytes_a_pixel = if format == Format::YUYV { 2 } else { 1 };
+            let window = Rect::new(1, 1, small.0 - 1, small.1 - 1);
+            let mut readout = Readout::new(format.shrunk(shrink), sensor, window).unwrap();
+            let mut pixels = std::vec![77; readout.pixels()];
+            readout.push_frame(&bytes, 80, &mut pixels).unwrap();
+            let frame = readout.frame(&pixels).unwrap();
+            prop_assert_eq!(frame.bounds(), Rect::new(0, 0, small.0, small.1));
+            let most = [[1.0, 1.4, 1.7], [2.2, 2.8, 3.2]][usize::from(is_mosaic)][n - 2];
+            for (y, row) in (1..).zip(frame.patch(window).unwrap().rows()) {
+                for (x, &level) in (1..).zip(row) {
+                    let columns = |x: usize| (x * side..(x + 1) * side).map(|x| x * bytes_a_pixel);
+                    let block = (y * side..(y + 1) * side).flat_map(|y| columns(x).map(move |x| 80 * y + x));
+                    let sum: f64 = block.map(|at| f64::from(bytes[at])).sum();
+                    let mean = sum / (side * side) as f64;
+                    prop_assert!((f64::from(level) - mean).abs() <= most, "{:?}: {} for {}", readout, level, mean);
                 }
             }
         }
