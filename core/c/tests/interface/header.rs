@@ -59,7 +59,7 @@ fn the_header_compiles_with_the_sizes_of_the_library_and_not_in_a_packing() {
             continue;
         }
         for (packing, expected) in [("pack(1)", false), ("pack(2)", false), ("pack(4)", false), ("pack(16)", true)] {
-            let refiner = u8::from(REFINER > 0);
+            let refiner = REFINER / 1056;
             let capacity =
                 format!("#define SMR_PIXELS {PIXELS}\n#define SMR_SPAN {SPAN}\n#define SMR_REFINER {refiner}\n");
             let head = format!("{capacity}#pragma {packing}\n");
