@@ -94,11 +94,26 @@ mod lines {
     }
 }
 
+mod shrunk {
+    use smr_core::{Robust, Target, Tracker};
+
+    include!(concat!(env!("OUT_DIR"), "/core-4.rs"));
+
+    #[test]
+    fn the_tracker_sees_a_quarter_of_each_side() {
+        assert_eq!(FORMAT.gray_size(SENSOR), (160, 120));
+        let tracker = Tracker::<Robust>::new();
+        let window = tracker.target().lock_window(Rect::new(0, 0, 160, 120), Rect::new(60, 40, 20, 24));
+        let readout = begin(window.into()).unwrap();
+        assert_eq!(readout.pixels(), usize::from(window.width) * usize::from(window.height));
+    }
+}
+
 mod turns {
     use super::pictures;
     use smr_core::{Image, LockError, Paper};
 
-    include!(concat!(env!("OUT_DIR"), "/core-4.rs"));
+    include!(concat!(env!("OUT_DIR"), "/core-5.rs"));
 
     #[test]
     fn each_target_gets_its_turn() {
@@ -128,7 +143,7 @@ mod recorder {
     use std::convert::Infallible;
     use std::io::Cursor;
 
-    include!(concat!(env!("OUT_DIR"), "/core-5.rs"));
+    include!(concat!(env!("OUT_DIR"), "/core-6.rs"));
 
     #[test]
     fn the_record_holds_the_answer() {
@@ -156,7 +171,7 @@ mod several {
     use super::pictures;
     use smr_core::Image;
 
-    include!(concat!(env!("OUT_DIR"), "/core-6.rs"));
+    include!(concat!(env!("OUT_DIR"), "/core-7.rs"));
 
     #[test]
     fn both_are_locked() {
@@ -173,7 +188,7 @@ mod several {
 }
 
 mod small {
-    include!(concat!(env!("OUT_DIR"), "/core-7.rs"));
+    include!(concat!(env!("OUT_DIR"), "/core-8.rs"));
 
     #[test]
     fn it_has_a_smaller_reach() {
@@ -240,7 +255,7 @@ mod head {
             if frames <= 3 { whole() } else { Frame::whole(Image::new(&picture, 120, 160).unwrap()) }
         };
         let seconds_since_last_frame = || 1.0 / 30.0;
-        let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-8.rs")) };
+        let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-9.rs")) };
         let ended = endless().unwrap_err().to_string();
         assert!(ended.contains("size"), "{ended}");
         // `pan` and `tilt` are duty cycles: a pulse of 1500 in 20,000 microseconds would point straight ahead.
