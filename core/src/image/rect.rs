@@ -54,6 +54,7 @@ impl Rect {
 
     /// True if all pixels of `inner` are in `self`. False if `inner` is empty.
     #[must_use]
+    #[inline(never)]
     pub const fn contains(self, inner: Self) -> bool {
         !inner.is_empty()
             && inner.x >= self.x

@@ -93,6 +93,7 @@ impl Coded {
     }
 
     /// Computes one piece of the responses at all offsets, without the factor 2^`shift`. True after the last piece.
+    #[inline(never)]
     pub(crate) fn respond<const S: usize>(
         &self,
         products: Products,

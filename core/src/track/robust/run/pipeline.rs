@@ -378,6 +378,7 @@ fn scale_search<'a>(inputs: &Inputs<'a>, buffers: &'a mut Buffers<'_>) -> (Tools
 }
 
 /// The target's offset from the middle of a window, in units of 1/256 cell.
+#[inline(never)]
 fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
     let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
     let cells = |to: i64, from: i64| i32::try_from(quotient((to - from) * 256, cell)).unwrap_or(0);
