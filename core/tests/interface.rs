@@ -284,9 +284,11 @@ fn windows(config: robust::Config, (width, height): (u16, u16)) -> [f64; 3] {
 
 #[test]
 fn the_readme_states_the_memory_of_the_windows() {
-    let mut kinds = vec![("robust", robust::Config::robust())];
-    #[cfg(feature = "refiner")]
-    kinds.push(("refined", robust::Config::refined()));
+    let kinds = [
+        ("robust", robust::Config::robust()),
+        #[cfg(feature = "refiner")]
+        ("refined", robust::Config::refined()),
+    ];
     for (name, config) in kinds {
         let mut once = config;
         once.sweep = 1;
