@@ -62,6 +62,10 @@ pub trait Target: Steps {
     #[doc(hidden)]
     const UNLOCKED: Self;
 
+    /// As [`Target::UNLOCKED`], made in its place at run time: a constant may be copied from flash.
+    #[doc(hidden)]
+    fn unlocked() -> Self;
+
     /// A workspace whose bytes are all 0.
     #[doc(hidden)]
     const UNUSED: Self::Workspace;
@@ -73,7 +77,7 @@ pub trait Target: Steps {
     #[inline(always)]
     fn with(config: Self::Config) -> Result<Self, ConfigError> {
         Self::check_config(&config)?;
-        let mut target = const { Self::UNLOCKED };
+        let mut target = Self::unlocked();
         target.set_config(config);
         Ok(target)
     }

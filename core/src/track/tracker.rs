@@ -57,7 +57,8 @@ macro_rules! of_the_target {
 impl<T: Target> Tracker<T> {
     /// A tracker without a target, with the default configuration: [`robust::Config::robust`](crate::robust::Config::robust)
     /// within the size of the tracker, or [`paper::Config::camera`](crate::paper::Config::camera) limited to windows that
-    /// fit `SPAN`. All its bytes are 0, so a `static` takes no flash:
+    /// fit `SPAN`. All its bytes are 0, so a `static` takes no flash. At run time, `Tracker::default()` writes these zeroes,
+    /// where `new` may copy them from flash.
     ///
     /// ```
     /// use smr_core::{Robust, Tracker, robust::Config};
@@ -73,8 +74,7 @@ impl<T: Target> Tracker<T> {
     #[must_use]
     #[inline(always)]
     pub const fn new() -> Self {
-        // Constants, so that the fields are not built on the stack and moved.
-        const { Self { target: T::UNLOCKED, workspace: T::UNUSED } }
+        Self { target: T::UNLOCKED, workspace: T::UNUSED }
     }
 
     /// A tracker without a target, with this configuration.
@@ -249,7 +249,7 @@ impl<T: Target> Tracker<T> {
 impl<T: Target> Default for Tracker<T> {
     #[inline(always)]
     fn default() -> Self {
-        Self::new()
+        Self { target: T::unlocked(), workspace: T::Workspace::default() }
     }
 }
 

@@ -123,6 +123,11 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     const UNLOCKED: Self = Self::new();
     const UNUSED: Self::Workspace = Workspace::new();
 
+    #[inline(always)]
+    fn unlocked() -> Self {
+        Self::new()
+    }
+
     /// Upper bounds of the work (see `MostWork`) with the largest window that the configuration and `SPAN` allow.
     fn most_work(config: &Config, width: u16, height: u16) -> MostWork {
         let axis = |radius: u16| (2 * usize::from(radius) + 1).min(SPAN);

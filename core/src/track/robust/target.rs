@@ -195,6 +195,12 @@ impl<S: Size> Target for Robust<S> {
     const UNLOCKED: Self = Self::new();
     const UNUSED: Workspace<S> = Workspace::new();
 
+    #[inline(always)]
+    fn unlocked() -> Self {
+        // A constant, so that the fields are not built on the stack and moved.
+        const { Self::new() }
+    }
+
     /// Upper bounds of the work, the same for every box: see [`Config::most_work_of`].
     fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
         config.most_work_of::<S>()
