@@ -6,6 +6,7 @@
 int host_call(int call, int a, int b, int c);
 int main(int argc, char **argv);
 void run(void);
+extern void (*const constructors[])(void), (*const constructors_end[])(void);
 
 enum { EXIT = 1, READ = 3, WRITE = 4, OPEN = 5, ARGC = 1000, ARGV_SIZE = 1001, ARGV = 1002 };
 
@@ -50,12 +51,12 @@ static int host_write(FILE *file, const char *bytes, size_t count)
     return host_call(WRITE, (int)file, (int)bytes, (int)count);
 }
 
-_Noreturn void exit(int code)
+void exit(int code)
 {
     for (;;) host_call(EXIT, code, 0, 0);
 }
 
-_Noreturn void abort(void)
+void abort(void)
 {
     puts("abort");
     exit(97);
@@ -64,6 +65,8 @@ _Noreturn void abort(void)
 void run(void)
 {
     static char *argv[64];
+    void (*const *constructor)(void);
+    for (constructor = constructors; constructor != constructors_end; constructor++) (*constructor)();
     if (host_call(ARGV_SIZE, 0, 0, 0) > (int)sizeof argv) abort();
     host_call(ARGV, (int)argv, 0, 0);
     exit(main(host_call(ARGC, 0, 0, 0), argv));

@@ -4,6 +4,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct FILE FILE;
 #define stdout ((FILE *)1)
 #define stderr ((FILE *)2)
@@ -20,12 +24,16 @@ int fprintf(FILE *file, const char *format, ...);
 int sprintf(char *text, const char *format, ...);
 int puts(const char *text);
 unsigned long strtoul(const char *text, char **end, int base);
-_Noreturn void exit(int code);
-_Noreturn void abort(void);
+void exit(int code) __attribute__((noreturn));
+void abort(void) __attribute__((noreturn));
 int memcmp(const void *a, const void *b, size_t count);
 void *memcpy(void *to, const void *from, size_t count);
 void *memset(void *to, int byte, size_t count);
 void *memchr(const void *bytes, int byte, size_t count);
 size_t strlen(const char *text);
 int strcmp(const char *a, const char *b);
+
+#ifdef __cplusplus
+}
+#endif
 #endif
