@@ -1,6 +1,7 @@
-//! Chooses the fastest instructions of a 32-bit processor and sets their cfg: `smr_helium`, `smr_dsp`, or else
-//! `smr_swar`. 64-bit processors and WebAssembly with SIMD need no cfg. On bare metal and in WebAssembly, where every
-//! byte of code counts, cfg `smr_small` selects smaller code: functions with several callers are not inlined.
+//! Chooses the fastest instructions of a 32-bit processor or RISC-V and sets their cfg: `smr_helium`, `smr_dsp`, or
+//! else `smr_swar`. Other 64-bit processors and WebAssembly with SIMD need no cfg. On bare metal and in WebAssembly,
+//! where every byte of code counts, cfg `smr_small` selects smaller code: functions with several callers are not
+//! inlined.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -12,7 +13,7 @@ fn main() {
         println!("cargo::rustc-cfg=smr_helium");
     } else if is_cortex_m && processor.has_dsp() {
         println!("cargo::rustc-cfg=smr_dsp");
-    } else if is("CARGO_CFG_TARGET_POINTER_WIDTH", "32")
+    } else if (is("CARGO_CFG_TARGET_POINTER_WIDTH", "32") || is("CARGO_CFG_TARGET_ARCH", "riscv64"))
         && !processor.features.iter().any(|feature| feature == "simd128")
     {
         println!("cargo::rustc-cfg=smr_swar");

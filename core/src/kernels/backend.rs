@@ -100,7 +100,7 @@ pub enum Backend {
     /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
     Helium,
     /// Any processor without DSP and Helium: unrolled byte loops, and words of four pixels in ordinary 32-bit registers
-    /// for score bounds. The fastest backend on 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC); there the
+    /// for score bounds. The fastest backend on processors without DSP or SIMD (Cortex-M0+, RISC-V, Xtensa); there the
     /// `CutTable` in each workspace is 510 bytes larger than elsewhere. Loads words only from addresses divisible by 4.
     Swar,
 }

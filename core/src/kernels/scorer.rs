@@ -111,9 +111,14 @@ impl<'a> Scorer<'a> {
     }
 
     /// True if this target can bound the scores of four neighbouring offsets faster than it computes them.
-    pub(crate) const BOUNDS_FOUR: bool =
-        cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "xtensa", target_arch = "arm"))
-            || Self::RANGES_OF_ROWS;
+    pub(crate) const BOUNDS_FOUR: bool = cfg!(any(
+        smr_dsp,
+        smr_helium,
+        target_arch = "riscv32",
+        target_arch = "riscv64",
+        target_arch = "xtensa",
+        target_arch = "arm"
+    )) || Self::RANGES_OF_ROWS;
 
     /// Bit mask of the offsets in `wanted` (up to four neighbours) whose score may reach `floor`; see
     /// [`Scores::candidates`]. Returns `wanted` if the template has more than `MAX_PIXELS` pixels, or if the patch has

@@ -26,19 +26,19 @@ pub(crate) fn rolled_if_rare<I: Iterator>(iterator: I) -> impl Iterator<Item = I
 #[inline(always)]
 #[allow(dead_code)] // not every target needs it
 fn nothing() {
-    #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
+    #[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "riscv64"))]
     // SAFETY: the assembly is empty.
     unsafe {
         core::arch::asm!("", options(nomem, nostack, preserves_flags));
     }
 }
 
-/// Returns `number`, and computes it before the code that follows (RV32 only). Without this the compiler interleaves
+/// Returns `number`, and computes it before the code that follows (RISC-V only). Without this the compiler interleaves
 /// independent sums until it runs out of registers.
 #[inline(always)]
 #[allow(dead_code)] // not every target needs it
 pub(crate) fn in_order(number: i32) -> i32 {
-    #[cfg(all(smr_swar, target_arch = "riscv32"))]
+    #[cfg(all(smr_swar, any(target_arch = "riscv32", target_arch = "riscv64")))]
     let number = {
         let mut number = number;
         // SAFETY: the assembly is empty.

@@ -17,7 +17,7 @@ use crate::image::Image;
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
-#[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "xtensa"))]
+#[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "riscv64", target_arch = "xtensa"))]
 use crate::kernels::scores::Effort;
 use crate::kernels::scores::{Blocks, ONE, Scores};
 use crate::kernels::unrolling::rolled;
@@ -42,7 +42,7 @@ pub(crate) struct Swar<'a> {
     plain: Plain<'a>,
     /// Half the threshold, in each byte. It widens ranges, which consist of the upper seven bits of pixels.
     threshold: u32,
-    #[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "xtensa"))]
+    #[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "riscv64", target_arch = "xtensa"))]
     fours: Effort,
 }
 
@@ -52,7 +52,7 @@ impl<'a> Swar<'a> {
         Self {
             plain: Plain { table },
             threshold: u32::from(table.threshold() / 2) * 0x0101_0101,
-            #[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "xtensa"))]
+            #[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "riscv64", target_arch = "xtensa"))]
             fours: Effort::NEW,
         }
     }
@@ -74,7 +74,7 @@ impl Scores for Swar<'_> {
         Some(reachable).filter(|&score| score >= floor)
     }
 
-    #[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "xtensa"))]
+    #[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "riscv64", target_arch = "xtensa"))]
     /// # Safety
     /// The patch has at least as many rows as the template, and three more columns.
     #[inline(never)]
@@ -142,7 +142,7 @@ unsafe fn row_score(f: *const u8, g: *const u8, width: usize, table: &CutTable) 
 }
 
 /// Number of horizontally neighbouring offsets that are scored at once.
-#[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "xtensa"))]
+#[cfg(any(target_arch = "arm", target_arch = "riscv32", target_arch = "riscv64", target_arch = "xtensa"))]
 const OFFSETS: usize = 4;
 
 /// The scores of a row of `width` pixels at four neighbouring offsets. The table offset of each frame pixel is computed
@@ -150,7 +150,7 @@ const OFFSETS: usize = 4;
 ///
 /// # Safety
 /// `width` pixels can be read at `g`, and `width + 3` at `f`.
-#[cfg(any(target_arch = "riscv32", target_arch = "xtensa"))]
+#[cfg(any(target_arch = "riscv32", target_arch = "riscv64", target_arch = "xtensa"))]
 #[inline(never)]
 unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
     let mut sums = [0; OFFSETS];
