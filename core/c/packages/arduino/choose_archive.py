@@ -11,6 +11,6 @@ cpus = [flag[len("-mcpu=") :] for flag in flags if flag.startswith("-mcpu=")]
 cpus += [board.get("build.cpu", ""), board.get("build.mcu", "")]
 found = [path for cpu in cpus if cpu and os.path.isfile(path := f"src/{cpu}/libsmr.a")]
 if not found:
-    print(f"SMRTracker has no src/{cpus[0] or cpus[-1]}/libsmr.a. Xtensa (ESP32, S2, S3): see its README.")
+    print(f"SMRTracker has no src/{cpus[0] or cpus[-1]}/libsmr.a: see its README.")
     env.Exit(1)  # noqa: F821
 env.Append(LIBPATH=[os.path.dirname(os.path.abspath(found[0]))], LIBS=["smr"])  # noqa: F821

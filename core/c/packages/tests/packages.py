@@ -69,8 +69,9 @@ assert all(map(os.path.isfile, files)), files
 assert chosen(["-mthumb", "-mcpu=cortex-m7", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"], {}) == "cortex-m7"
 assert chosen([], {"build.cpu": "cortex-m0plus", "build.mcu": "rp2040"}) == "cortex-m0plus"
 assert chosen(["-march=rv32imac"], {"build.mcu": "esp32c6"}) == "esp32c6"
+assert chosen(["-mlongcalls"], {"build.mcu": "esp32s3"}) == "esp32s3"
 with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.suppress(SystemExit):
-    chosen([], {"build.mcu": "esp32s3"})
-assert "no src/esp32s3/libsmr.a" in said.getvalue()
-print("choose_archive.py: 3 boards have an archive, and Xtensa is refused")
+    chosen([], {"build.mcu": "esp8266"})
+assert "no src/esp8266/libsmr.a" in said.getvalue()
+print("choose_archive.py: 4 boards have an archive, and an ESP8266 is refused")
 kconfig()

@@ -14,12 +14,6 @@
 
 #include "smr.h"
 
-#ifdef __XTENSA__
-#if !__has_include("esp32/libsmr.a") && !__has_include("esp32s2/libsmr.a") && !__has_include("esp32s3/libsmr.a")
-#error "SMRTracker has no libsmr.a for Xtensa (ESP32, S2, S3): its README.md says how to build one"
-#endif
-#endif
-
 namespace smr {
 
 typedef smr_rect Box;

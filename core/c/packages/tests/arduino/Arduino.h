@@ -26,5 +26,6 @@ int main()
 {
   setup();
   for (int i = 0; i < LOOPS; i++) loop();
+  return 0;
 }
 #endif
