@@ -22,6 +22,10 @@ if [ $# -lt 1 ] || [ $# -gt 2 ] || [[ $1 == -* ]]; then
   echo "usage: core/c/install.sh [--refiner] PREFIX [TARGET]" >&2
   exit 2
 fi
+if [ "${2:-}" = xtensa-none-elf ] && [ -z "${SMR_LIBRARY:-}" ]; then
+  echo "error: .ci/release archives xtensa builds the library for Xtensa: set SMR_LIBRARY to it" >&2
+  exit 2
+fi
 mkdir -p "$1"
 prefix=$(cd "$1" && pwd)
 target=${2:-}
