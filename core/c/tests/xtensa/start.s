@@ -40,7 +40,7 @@
 	j	fatal
 
 	.org 0x400
-# Registers are kept from address 0x600: a0 to a15, the place of the instruction, the processor's state.
+# Registers are kept from address 0x600: a0 to a15, the place of the instruction, the processor's state. Then the number of computed instructions.
 exception:
 	movi	a0, 0x600
 	s32i	a2, a0, 8
@@ -123,6 +123,9 @@ exception:
 	s32i	a12, a4, 0
 	addi	a2, a2, 3
 	wsr	a2, epc1
+	l32i	a2, a0, 72
+	addi	a2, a2, 1
+	s32i	a2, a0, 72
 	l32i	a1, a0, 4
 	l32i	a2, a0, 8
 	l32i	a3, a0, 12
