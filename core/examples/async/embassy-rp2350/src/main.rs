@@ -15,30 +15,26 @@
 #![no_std]
 #![no_main]
 
+mod camera;
+
+use camera::{Camera, FORMAT, HEIGHT, LINE_BYTES, Line, WIDTH};
 use embassy_executor::Spawner;
-use embassy_futures::join::join;
 use embassy_rp::gpio::{Input, Level, Output, Pull};
 use embassy_rp::peripherals::{DMA_CH0, PIO0};
 use embassy_rp::pio::program::pio_asm;
-use embassy_rp::pio::{self, Direction, FifoJoin, Pio, ShiftConfig, ShiftDirection, StateMachine};
+use embassy_rp::pio::{self, Direction, FifoJoin, Pio, ShiftConfig, ShiftDirection};
 use embassy_rp::{bind_interrupts, dma};
 use panic_halt as _;
-use smr_core::readout::{Format, Readout};
+use smr_core::readout::Readout;
 use smr_core::robust::Workspace;
 use smr_core::{Rect, Robust, State, Target};
 use static_cell::ConstStaticCell;
 
-const WIDTH: u16 = 320;
-const HEIGHT: u16 = 240;
-const FORMAT: Format = Format::YUYV;
-const LINE_BYTES: usize = FORMAT.line_bytes(WIDTH);
 /// Size of the buffer `GRAY` in pixels: two windows of at most a whole frame each.
 const PIXELS: usize = 2 * WIDTH as usize * HEIGHT as usize;
 
 /// The box to lock on when the button is pressed: 64x64 pixels in the middle.
 const START: Rect = Rect::new(128, 88, 64, 64);
-
-type Line = [u8; LINE_BYTES];
 
 // Statics without a constructor at run time, so nothing is copied through the stack. `main` takes them once.
 static TARGET: ConstStaticCell<Robust> = ConstStaticCell::new(Robust::new());
@@ -103,44 +99,6 @@ async fn main(_spawner: Spawner) {
         } else if target.window().is_some() {
             let is_tracking = target.update(workspace, &frame).is_ok_and(|answer| answer.state == State::Tracking);
             led.set_level(Level::from(is_tracking));
-        }
-    }
-}
-
-struct Camera {
-    machine: StateMachine<'static, PIO0, 0>,
-    dma: dma::Channel<'static>,
-    vsync: Input<'static>,
-    lines: &'static mut [Line; 2],
-}
-
-impl Camera {
-    /// Waits for the next frame and pushes its lines, up to the windows' last line or the first line that is refused.
-    async fn read(&mut self, readout: &mut Readout, pixels: &mut [u8]) {
-        let [mut filling, mut full] = self.lines.each_mut();
-        self.machine.set_enable(false);
-        self.vsync.wait_for_falling_edge().await;
-        // Drops remaining bytes of the previous frame.
-        self.machine.clear_fifos();
-        self.machine.restart();
-        self.machine.set_enable(true);
-        for y in 0..=HEIGHT {
-            if readout.is_complete() {
-                break;
-            }
-            // The DMA fills `filling` with line y, while the read-out takes line y - 1 from `full`.
-            let fill = async {
-                if y < HEIGHT {
-                    self.machine.rx().dma_pull(&mut self.dma, &mut filling[..], false).await;
-                }
-            };
-            let push = async {
-                if let Some(y) = y.checked_sub(1) {
-                    let _ = readout.push_line(y, full, pixels);
-                }
-            };
-            join(fill, push).await;
-            (filling, full) = (full, filling);
         }
     }
 }
