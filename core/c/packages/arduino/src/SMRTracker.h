@@ -123,7 +123,7 @@ private:
 
 /** The paper tracker with the camera preset: 13 KB of RAM. */
 typedef Tracker<smr_paper_target, smr_paper_workspace, smr_config_camera> Paper;
-/** The robust tracker: 53 KB of RAM. It follows changes of light, size and view, and searches for a lost target. */
+/** The robust tracker: 52 KB of RAM. It follows changes of light, size and view, and searches for a lost target. */
 typedef Tracker<smr_robust_target, smr_robust_workspace, smr_config_robust> Robust;
 /** The robust tracker with the refiner, a small network that fits the box to the target. */
 typedef Tracker<smr_robust_target, smr_robust_workspace, smr_config_refined> Refined;

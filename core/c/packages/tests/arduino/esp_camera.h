@@ -1,11 +1,12 @@
-/* Stands in for the camera driver of Espressif: its camera sees the square of square.h. Checks that pictures are given back, and PSRAM for two or for color. */
+/* Stands in for the camera driver of Espressif: its camera sees the square of square.h, and answers to the second esp_camera_init. Checks
+ * that pictures are given back, and PSRAM for two or for color. */
 #pragma once
 #include <Arduino.h>
 #include <stdlib.h>
 #include "square.h"
 
 typedef int esp_err_t;
-enum { ESP_OK = 0, ESP_FAIL = -1 };
+enum { ESP_OK = 0, ESP_FAIL = -1, ESP_ERR_NOT_FOUND = 0x105 };
 enum pixformat_t { PIXFORMAT_RGB565, PIXFORMAT_YUV422, PIXFORMAT_YUV420, PIXFORMAT_GRAYSCALE };
 enum framesize_t { FRAMESIZE_QQVGA = 1, FRAMESIZE_QVGA = 6 };
 enum camera_fb_location_t { CAMERA_FB_IN_PSRAM, CAMERA_FB_IN_DRAM };
@@ -40,34 +41,37 @@ inline bool psramFound() { return PSRAM; }
 
 static camera_fb_t esp_picture;
 static pixformat_t esp_format;
+static int esp_scale, esp_inits = 0;  // pixels of square.h to a pixel
 static int esp_taken = 0;
 static bool esp_is_out = false;
 
 inline esp_err_t esp_camera_init(const camera_config_t *config)
 {
+  if (esp_inits++ == 0) return ESP_ERR_NOT_FOUND;
   bool large = config->fb_count > 1 || config->pixel_format != PIXFORMAT_GRAYSCALE || config->fb_location == CAMERA_FB_IN_PSRAM;
-  if (config->frame_size != FRAMESIZE_QVGA || config->pin_pclk == 0 || (large && !PSRAM)) return ESP_FAIL;
+  if ((config->frame_size != FRAMESIZE_QVGA && config->frame_size != FRAMESIZE_QQVGA) || config->pin_pclk == 0 || (large && !PSRAM)) return ESP_FAIL;
   esp_format = config->pixel_format;
+  esp_scale = config->frame_size == FRAMESIZE_QVGA ? 1 : 2;
   return ESP_OK;
 }
 
 inline camera_fb_t *esp_camera_fb_get()
 {
   static uint8_t pixels[320 * 240 * 2];
-  int bytes = esp_format == PIXFORMAT_GRAYSCALE ? 1 : 2;
+  int bytes = esp_format == PIXFORMAT_GRAYSCALE ? 1 : 2, width = 320 / esp_scale, height = 240 / esp_scale;
   if (esp_is_out) abort();
   esp_is_out = true;
-  for (int i = 0; i < 320 * 240; i++) {
-    int level = square_level(i % 320, i / 320, esp_taken);
+  for (int i = 0; i < width * height; i++) {
+    int level = square_level(i % width * esp_scale, i / width * esp_scale, esp_taken);
     int pixel = bytes == 1 ? level << 3 : level << 11 | level << 6 | level;
     if (bytes == 2) pixels[2 * i] = static_cast<uint8_t>(pixel >> 8);
     pixels[bytes * i + bytes - 1] = static_cast<uint8_t>(pixel);
   }
   esp_taken++;
   esp_picture.buf = pixels;
-  esp_picture.len = static_cast<size_t>(320 * 240 * bytes);
-  esp_picture.width = 320;
-  esp_picture.height = 240;
+  esp_picture.len = static_cast<size_t>(width * height * bytes);
+  esp_picture.width = static_cast<size_t>(width);
+  esp_picture.height = static_cast<size_t>(height);
   esp_picture.format = esp_format;
   return &esp_picture;
 }

@@ -1,26 +1,42 @@
 /*
  * Follows the object in the middle of the camera's picture. To lock on it, send any character from the serial monitor (115200 baud).
  *
- * ESP32-CAM (AI Thinker) and XIAO ESP32S3 Sense (esp_cameras.h); boards whose core has the Camera library (mbed_cameras.h): Nicla Vision,
- * Portenta H7 with the Vision Shield, GIGA R1 with an OV7670. For another camera, give lock() and update() its gray pixels.
+ * ESP32-CAM (AI Thinker) and XIAO ESP32S3 Sense (esp_cameras.h; the library's README.md has the steps); boards whose core has the Camera
+ * library (mbed_cameras.h): Nicla Vision, Portenta H7 with the Vision Shield, GIGA R1 with an OV7670. For another camera, give lock() and
+ * update() its gray pixels.
  */
 #include <SMRTracker.h>
 
-const int WIDTH = 320, HEIGHT = 240, SIDE = 48;
+// The size of the camera's pictures: on an ESP32 320x240, or 160x120, which takes 58 KB of RAM less.
+const int WIDTH = 320, HEIGHT = 240;
+const int SIDE = HEIGHT / 5;
 #ifdef ARDUINO_ARCH_ESP32
 #include "esp_cameras.h"
 #else
 #include "mbed_cameras.h"
 #endif
 
-static smr::Robust tracker;
+static smr::Robust tracker;  // or smr::Small: 7 KB of RAM less, and it follows as well
 static bool locked = false;
+
+// Returns true if the serial monitor has sent something, and reads all of it: the monitor may add one or two characters that end a line.
+static bool asked()
+{
+  bool any = false;
+  while (Serial.available() > 0) {
+    Serial.read();
+    any = true;
+  }
+  return any;
+}
 
 void setup()
 {
   Serial.begin(115200);
-  while (!beginCamera()) {
-    Serial.println("no camera");
+  Serial.println("camera of " CAMERA_BOARD);
+  for (int error = beginCamera(); error != 0; error = beginCamera()) {
+    Serial.print("no camera on " CAMERA_BOARD ", error 0x");
+    Serial.println(error, HEX);
     delay(1000);
   }
 }
@@ -32,8 +48,7 @@ void loop()
     Serial.println("no picture");
     return;
   }
-  if (Serial.available() > 0) {
-    Serial.read();
+  if (asked()) {
     smr_status status = tracker.lock(pixels, WIDTH, HEIGHT, smr::box((WIDTH - SIDE) / 2, (HEIGHT - SIDE) / 2, SIDE, SIDE));
     locked = status == SMR_OK;
     Serial.print("lock: ");

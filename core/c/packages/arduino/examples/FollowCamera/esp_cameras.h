@@ -1,7 +1,9 @@
 /*
- * Cameras of ESP32 boards: ESP32-CAM (AI Thinker) and XIAO ESP32S3 Sense. For another board, replace the pins by those of its maker.
+ * Cameras of ESP32 boards: ESP32-CAM (AI Thinker) and XIAO ESP32S3 Sense. For another board, add its name and its maker's pins below. The
+ * board selected in the IDE selects the pins, and the sketch prints whose they are. ARDUINO_ESP32_DEV is "AI Thinker ESP32-CAM", but also
+ * "ESP32 Dev Module" and "ESP32 Wrover Module": if yours is not an ESP32-CAM, replace the pins.
  *
- * With gray pictures the sketch needs 53 KB of RAM for the tracker, 77 KB for the picture, and the driver's own buffers: no PSRAM. COLOR 1
+ * With gray pictures the sketch needs 52 KB of RAM for the tracker, 77 KB for the picture, and the driver's own buffers: no PSRAM. COLOR 1
  * takes color pictures and converts them, for a sensor that sends no gray ones: 77 KB more, and PSRAM for the picture (154 KB).
  */
 #pragma once
@@ -14,10 +16,13 @@
 #include "gray.h"
 #endif
 
+static_assert((WIDTH == 320 && HEIGHT == 240) || (WIDTH == 160 && HEIGHT == 120), "esp_cameras.h takes pictures of 320x240 or 160x120");
+
 static camera_config_t pins()
 {
   camera_config_t config = camera_config_t();
 #ifdef ARDUINO_XIAO_ESP32S3
+#define CAMERA_BOARD "XIAO ESP32S3 Sense"
   config.pin_pwdn = -1;
   config.pin_xclk = 10;
   config.pin_sccb_sda = 40;
@@ -33,7 +38,8 @@ static camera_config_t pins()
   config.pin_vsync = 38;
   config.pin_href = 47;
   config.pin_pclk = 13;
-#elif defined(CONFIG_IDF_TARGET_ESP32)  // ESP32-CAM
+#elif defined(ARDUINO_ESP32_DEV)
+#define CAMERA_BOARD "ESP32-CAM (AI Thinker)"
   config.pin_pwdn = 32;
   config.pin_xclk = 0;
   config.pin_sccb_sda = 26;
@@ -50,25 +56,26 @@ static camera_config_t pins()
   config.pin_href = 23;
   config.pin_pclk = 22;
 #else
-#error "FollowCamera has the pins of ESP32-CAM (AI Thinker) and XIAO ESP32S3 Sense: add those of this board"
+#error "FollowCamera has the pins of ESP32-CAM (AI Thinker) and XIAO ESP32S3 Sense: select one in the IDE, or add this board's pins"
 #endif
   config.pin_reset = -1;
   return config;
 }
 
-static bool beginCamera()
+// Returns 0, or the error of esp_camera_init.
+static int beginCamera()
 {
   camera_config_t config = pins();
   config.xclk_freq_hz = 20000000;
   config.ledc_timer = LEDC_TIMER_0;
   config.ledc_channel = LEDC_CHANNEL_0;
   config.pixel_format = COLOR ? PIXFORMAT_RGB565 : PIXFORMAT_GRAYSCALE;
-  config.frame_size = FRAMESIZE_QVGA;
+  config.frame_size = WIDTH == 320 ? FRAMESIZE_QVGA : FRAMESIZE_QQVGA;
   // In PSRAM a second picture is taken while the tracker works on the first.
   config.fb_count = psramFound() ? 2 : 1;
   config.fb_location = psramFound() ? CAMERA_FB_IN_PSRAM : CAMERA_FB_IN_DRAM;
   config.grab_mode = psramFound() ? CAMERA_GRAB_LATEST : CAMERA_GRAB_WHEN_EMPTY;
-  return esp_camera_init(&config) == ESP_OK;
+  return esp_camera_init(&config);
 }
 
 // The gray pixels of the next picture, until the next call; nullptr if there is none.

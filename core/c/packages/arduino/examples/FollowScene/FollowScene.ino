@@ -2,7 +2,7 @@
  * Follows a target without a camera: scene.h draws a scene, the tracker follows the bright square in it, and the serial monitor
  * (115200 baud) shows its box. The square hides for a moment in every round.
  *
- * The sketch needs 20 KB of RAM. With a camera and 53 KB more, smr::Robust also follows changes of light, size and view: see FollowCamera.
+ * The sketch needs 20 KB of RAM. With a camera and 52 KB more, smr::Robust also follows changes of light, size and view: see FollowCamera.
  */
 #include <SMRTracker.h>
 #include "scene.h"
