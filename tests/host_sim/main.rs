@@ -1,5 +1,6 @@
 //! Runs the program host-sim as users do. All tests are in one test program, so that they run in parallel.
 
+mod answers;
 mod browser;
 #[path = "../markdown.rs"]
 mod markdown;
