@@ -21,7 +21,7 @@ const PLACES: &[(&str, &str, &str, &str, &str)] = &[
     ("state", "Python", "core/python/package/smr/_answer.py", "class State(", "\n\n\n"),
     ("state", "JavaScript", "core/web/smr.js", "const State = ", "}"),
     ("state", "JavaScript", TYPES, "const State: {", "\n}"),
-    ("state", "MicroPython", MODULE, "#define NUMBERS(NUMBER)", "\n\n"),
+    ("state", "MicroPython", MODULE, "#define STATES(STATE)", "\n"),
     ("state", "host-sim", "core/src/track/answer.rs", "pub const fn name(self)", "\n    }"),
 ];
 

@@ -1318,7 +1318,7 @@ smr_status smr_update(struct smr_tracker *tracker,
  * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
  *   of a row of the first of #smr_windows) + 7 * #SMR_SPAN.
  * - The robust one: about an instruction of a Cortex-M4. A step may exceed `work` by at most 128,000. An update takes
- *   at most 14.2 million units, or 6.5 million with a `sweep` of 1.
+ *   at most 13.8 million units (17.4 with the refiner), or 6.1 (8.1) with a `sweep` of 1.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param frame    As for #smr_update. Its pixels are the same in every step.
