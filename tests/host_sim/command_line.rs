@@ -200,16 +200,6 @@ fn the_papers_table_is_printed_whole() {
     assert_eq!((rows("measured"), rows("printed"), &tables["printed"][5]["correct"]), (1, 6, &140.into()));
 }
 
-#[test]
-fn the_results_have_the_figures_of_the_built_in_recording() {
-    let iou = |more: &[&str]| {
-        let said = host_sim(&[&["eval", "synthetic", "--method", "robust", "--json"], more].concat()).json();
-        said["measured"][0]["mean_iou"].as_f64().unwrap()
-    };
-    let falls = format!("falls from {:.3} to {:.3}", iou(&["--set", "refiner=off"]), iou(&[]));
-    assert!(include_str!("../../host-sim/RESULTS.md").contains(&falls), "host-sim/RESULTS.md: the mean IoU {falls}");
-}
-
 /// Needs recordings that are not part of the project: `host-sim/README.md` says where the tests look for them.
 #[test]
 fn the_recorded_sequences_are_followed_as_the_readme_says() {

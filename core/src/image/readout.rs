@@ -46,12 +46,12 @@
 //! # Cost
 //!
 //! Instructions per gray pixel, with all calls for the lines of a window of 140x140 pixels (`tests/chip/readout.rs` in
-//! QEMU). A line outside the window takes about 80 (Cortex-M0+: 100).
+//! QEMU). A line outside the window takes about 100 on the M4.
 //!
 //! | | gray 8 | YUYV, UYVY | RGB565, low byte first | high byte first | Bayer (two lines) | packed 10 bits |
 //! |---|---|---|---|---|---|---|
-//! | M4 | 7.1 | 5.5 | 19.7 | 21.0 | 16.4 | 5.4 |
-//! | M0+ | 9.7 | 6.2 | 36.4 | 36.9 | 41.0 | 7.7 |
+//! | M4 | <!--=budgets/mps2-an386 readout-gray8 C.1-->5.9<!----> | <!--=budgets/mps2-an386 readout-yuyv C.1-->5.8<!----> | <!--=budgets/mps2-an386 readout-rgb565le C.1-->19.8<!----> | <!--=budgets/mps2-an386 readout-rgb565be C.1-->21.3<!----> | <!--=budgets/mps2-an386 readout-bayer8 C.1-->16.5<!----> | <!--=budgets/mps2-an386 readout-gray10 C.1-->5.5<!----> |
+//! | M0+ | <!--=budgets/thumbv6m-none-eabi readout-gray8 C.1-->10.1<!----> | <!--=budgets/thumbv6m-none-eabi readout-yuyv C.1-->8.2<!----> | <!--=budgets/thumbv6m-none-eabi readout-rgb565le C.1-->39.1<!----> | <!--=budgets/thumbv6m-none-eabi readout-rgb565be C.1-->39.3<!----> | <!--=budgets/thumbv6m-none-eabi readout-bayer8 C.1-->44.8<!----> | <!--=budgets/thumbv6m-none-eabi readout-gray10 C.1-->9.6<!----> |
 //!
 //! [`Tracker::windows`]: crate::Tracker::windows
 

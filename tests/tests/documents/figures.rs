@@ -1,184 +1,259 @@
-//! Checks that the figures (numbers) in documents equal the values in code, scripts and files of measurements.
-//! `SMR_RECORD=1 cargo test -p smr-tests figures` writes these values into the documents.
+//! Checks that the figures (numbers) in documents equal those of measurements, code and scripts.
+//! `SMR_RECORD=1 cargo test -p smr-tests --test crates figures` writes them into the documents.
+//!
+//! A figure in a sentence stands between `<!--=NAME-->` and `<!---->`. The name is that of a figure of
+//! `tests/results/FILE.json` (`FILE/FIGURE`), of `tests/budgets.txt` (`budgets/...`), of a bound of work (`work/...`) or
+//! of a limit in a script (`limits/...`); a unit may follow, such as `M.2` for millions with two decimals. The rows of a
+//! table are those of `tests/results/FILE.json` if `<!-- results: FILE/ROWS -->` stands before its head.
+
+#![allow(clippy::cast_precision_loss, reason = "bounds of work are far below 2^53")]
 
 use super::root;
+use serde_json::Value;
 use smr_core::robust::Config;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::ops::Range;
+use std::path::Path;
 
-/// A document, its sentences with `{}` in place of each figure, and the right figures for each sentence.
-struct Document {
-    name: &'static str,
-    sentences: Vec<(&'static str, Vec<String>)>,
+const DOCUMENTS: [&str; 14] = [
+    "README.md",
+    "core/README.md",
+    "core/EVIDENCE.md",
+    "core/SAFETY.md",
+    "core/c/README.md",
+    "core/c/packages/README.md",
+    "core/micropython/README.md",
+    "core/python/README.md",
+    "core/src/image/readout.rs",
+    "host-sim/FAULTS.md",
+    "host-sim/README.md",
+    "host-sim/RESULTS.md",
+    "tests/chip/README.md",
+    "tests/chip/cycles/README.md",
+];
+
+/// Before the name of a figure, and after the name; after the figure.
+const MARK: [&str; 3] = ["<!--=", "-->", "<!---->"];
+/// Before and after the name of the rows of a table.
+const TABLE: [&str; 2] = ["<!-- results: ", " -->"];
+
+/// All that documents can state, by name.
+struct Known {
+    numbers: BTreeMap<String, f64>,
+    texts: BTreeMap<String, String>,
+    tables: BTreeMap<String, Vec<String>>,
 }
 
-/// Returns the positions of the figures if `text` begins with `sentence`. Any white space matches any other.
-fn figures_at(text: &str, sentence: &str) -> Option<Vec<Range<usize>>> {
-    let (mut at, mut places) = (0, Vec::new());
-    for (number, piece) in sentence.split("{}").enumerate() {
-        if number > 0 {
-            let rest = &text[at..];
-            let end = rest.find(|letter: char| !(letter.is_ascii_digit() || ".,".contains(letter)));
-            let figure = rest[..end.unwrap_or(rest.len())].trim_end_matches(['.', ',']);
-            places.push(at..at + figure.len());
-            at += figure.len();
+/// Returns the files of `tests/results`, by their names without the ending.
+fn results() -> BTreeMap<String, Value> {
+    let files = fs::read_dir(root().join("tests/results")).unwrap().map(|entry| entry.unwrap().path());
+    let json = files.filter(|path| path.extension().is_some_and(|ending| ending == "json"));
+    let read = |path: &Path| serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
+    json.map(|path| (path.file_stem().unwrap().to_str().unwrap().to_owned(), read(&path))).collect()
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().unwrap_or_else(|| panic!("expected a text, not {value}")).to_owned()
+}
+
+fn known() -> Known {
+    let (mut texts, mut tables) = (BTreeMap::new(), BTreeMap::new());
+    for (file, result) in results() {
+        for (name, figure) in result["figures"].as_object().unwrap() {
+            texts.insert(format!("{file}/{name}"), text(figure));
         }
-        for letter in piece.chars() {
-            let rest = &text[at..];
-            at += match letter {
-                ' ' => rest.len() - rest.trim_start().len(),
-                _ if rest.starts_with(letter) => letter.len_utf8(),
-                _ => return None,
-            };
+        for (name, rows) in result["rows"].as_object().unwrap() {
+            tables.insert(format!("{file}/{name}"), rows.as_array().unwrap().iter().map(text).collect());
         }
     }
-    places.iter().all(|place| !place.is_empty()).then_some(places)
+    Known { numbers: numbers(), texts, tables }
 }
 
-fn written(name: &str, text: &str, sentence: &str, figures: &[String]) -> String {
-    let starts = text.char_indices().map(|(start, _)| start);
-    let mut found = starts.filter_map(|start| Some((start, figures_at(&text[start..], sentence)?)));
-    let (start, places) = found.next().unwrap_or_else(|| panic!("{name} has no sentence like `{sentence}`"));
-    assert_eq!(places.len(), figures.len(), "{sentence}");
-    let mut text = text.to_owned();
-    for (place, figure) in places.into_iter().zip(figures).rev() {
-        text.replace_range(start + place.start..start + place.end, figure);
+fn numbers() -> BTreeMap<String, f64> {
+    // `.ci/firmware --record` writes the budgets.
+    let budgets = include_str!("../../budgets.txt").lines().filter(|line| !line.starts_with('#'));
+    let budgets = budgets.filter_map(|line| line.rsplit_once(' '));
+    let mut numbers: BTreeMap<String, f64> =
+        budgets.map(|(name, value)| (format!("budgets/{name}"), value.parse().unwrap())).collect();
+    for (name, config) in [("robust", Config::robust()), ("refined", Config::refined())] {
+        let mut followed = config;
+        followed.sweep = 0;
+        numbers.insert(format!("work/{name} followed"), followed.most_work().update as f64);
+        numbers.insert(format!("work/{name} lost"), config.most_work().update as f64);
+        numbers.insert(format!("work/{name} lock"), config.most_work().lock as f64);
+        numbers.insert(format!("work/{name} step"), config.most_work().beyond_a_step as f64);
+    }
+    numbers.extend(limits());
+    numbers
+}
+
+/// Returns the limits of `.ci/c` in bytes: of the stack of each tracker, and of the flash of more and more of its calls.
+fn limits() -> BTreeMap<String, f64> {
+    let script = include_str!("../../../.ci/c");
+    let mut limits = BTreeMap::new();
+    for (name, beginning) in [
+        ("paper", "one_tracker paper "),
+        ("robust", "one_tracker robust "),
+        ("refined", "one_tracker refined "),
+        ("init", "deepest \"$name\" "),
+    ] {
+        let line = script.lines().find_map(|line| line.trim_start().strip_prefix(beginning)).expect("a line");
+        let mut numbers = line.split([' ', '\'']).filter_map(|word| word.parse::<u32>().ok()).map(f64::from);
+        limits.insert(format!("limits/stack {name}"), numbers.next().expect("a limit"));
+        let flash = (1..).zip(numbers).map(|(calls, limit)| (format!("limits/flash {name} {calls}"), limit));
+        limits.extend(flash);
+    }
+    limits
+}
+
+/// Writes a number with the unit after its name: none (a whole number), `,` (with commas), or `M.2` (millions with two
+/// decimals), also `K` (thousands) and `C` (hundreds).
+fn written(number: f64, unit: &str) -> String {
+    let (scale, decimals) = match unit.split_once('.') {
+        Some(("M", decimals)) => (1e6, decimals),
+        Some(("K", decimals)) => (1e3, decimals),
+        Some(("C", decimals)) => (1e2, decimals),
+        _ => (1.0, "0"),
+    };
+    let mut text = format!("{:.*}", decimals.parse().expect("decimals"), number / scale);
+    if unit == "," {
+        for at in (1..text.len()).rev().filter(|at| (text.len() - at).is_multiple_of(3)).collect::<Vec<_>>() {
+            text.insert(at, ',');
+        }
     }
     text
 }
 
-/// Returns a value of tests/budgets.txt, which `.ci/firmware --record` writes.
-fn budget(name: &str) -> f64 {
-    let budgets = include_str!("../../budgets.txt");
-    let line = budgets.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
-    line.and_then(|line| line.trim().parse().ok()).unwrap_or_else(|| panic!("no {name} in budgets.txt"))
-}
+impl Known {
+    /// Returns the figure of a name with or without a unit.
+    fn figure(&self, name: &str) -> Option<String> {
+        let number = || {
+            let (name, unit) = name.rsplit_once(' ')?;
+            Some(written(*self.numbers.get(name)?, unit))
+        };
+        let whole = || self.numbers.get(name).map(|number| written(*number, ""));
+        self.texts.get(name).cloned().or_else(whole).or_else(number)
+    }
 
-const UPDATE: &str = "at most {} million units while the target is followed and {} while it is lost";
+    /// Returns a document with the right figures and rows. Adds the names that it has to `used`.
+    fn filled(&self, document: &str, text: &str, used: &mut BTreeSet<String>) -> String {
+        let with_figures = self.with_figures(document, text, used);
+        let mut filled = String::new();
+        let mut lines = with_figures.split_inclusive('\n').peekable();
+        while let Some(line) = lines.next() {
+            filled.push_str(line);
+            let name = line.trim_end().split_once(TABLE[0]).and_then(|(_, rest)| rest.strip_suffix(TABLE[1]));
+            let Some(name) = name else { continue };
+            used.insert(name.to_owned());
+            let rows = self.tables.get(name).unwrap_or_else(|| panic!("{document}: tests/results has no rows {name}"));
+            let begin = line.split_once(TABLE[0]).unwrap().0;
+            filled.extend(lines.by_ref().take(1).filter(|line| line.trim_end() == begin.trim_end()));
+            filled.extend(lines.by_ref().take(2));
+            while lines.next_if(|line| line.starts_with(&format!("{begin}|"))).is_some() {}
+            filled.extend(rows.iter().map(|row| format!("{begin}| {row} |\n")));
+        }
+        filled
+    }
 
-fn documents() -> Vec<Document> {
-    let bytes = |name: &str| budget(name).to_string();
-    let thousands = |name: &str| format!("{:.1}", budget(name) / 1e3);
-    let millions = |name: &str| format!("{:.1}", budget(name) / 1e6);
-    let hundredths = |number: f64| format!("{:.2}", number / 1e6);
-    let board = |machine: &str| {
-        [
-            bytes(&format!("{machine} ram")),
-            bytes(&format!("{machine} flash")),
-            hundredths(budget(&format!("{machine} instructions"))),
-        ]
-        .to_vec()
-    };
-    let script = include_str!("../../../.ci/c");
-    let limit = |beginning: &str| {
-        let line = script.lines().find_map(|line| line.trim_start().strip_prefix(beginning));
-        line.and_then(|line| line.split(' ').find(|word| word.parse::<u32>().is_ok())).expect("a limit").to_owned()
-    };
-    let [paper, robust, refined] = ["one_tracker paper ", "one_tracker robust ", "one_tracker refined "].map(limit);
-    let most = Config::robust().most_work();
-    let followed_and_lost = |config: Config| {
-        let mut without = config;
-        without.sweep = 0;
-        [without, config].map(|config| hundredths(config.most_work().update as f64)).to_vec()
-    };
-    let updates = followed_and_lost(Config::robust());
-    let pixels = |chip: &str| {
-        let formats = ["gray8", "yuyv", "rgb565le", "rgb565be", "bayer8", "gray10"];
-        formats.map(|format| format!("{:.1}", budget(&format!("{chip} readout-{format}")) / 100.0)).to_vec()
-    };
-    let robust_row = |kind: &str, stack: &str| {
-        let flash = bytes(&format!("thumbv7em-none-eabihf {kind}-flash"));
-        let [mean, most] = ["instructions", "most"].map(|what| millions(&format!("mps2-an386 {kind}-{what}")));
-        vec![stack.to_owned(), flash, mean, most]
-    };
-    vec![
-        Document {
-            name: "core/README.md",
-            sentences: vec![
-                (
-                    "| `Paper<4096, 33>`: 64x64 pixels, +-16 | 4,264 | 5,584 | {} | {} | {} million |",
-                    vec![
-                        paper.clone(),
-                        bytes("thumbv7em-none-eabihf tracker-flash"),
-                        hundredths(budget("mps2-an386 instructions")),
-                    ],
-                ),
-                (
-                    "| `Robust` | 11,376 | 39,248 | {} | {} | {} million, at most {} million |",
-                    robust_row("robust", &robust),
-                ),
-                (
-                    "| `Robust` with the feature `refiner` | 12,432 | 39,272 | {} | {} | {} million, at most {} million |",
-                    robust_row("refiner", &refined),
-                ),
-                (UPDATE, updates.clone()),
-                ("With the refiner these are {} and {} million", followed_and_lost(Config::refined())),
-                (
-                    "A lock takes at most {} million ({} with the refiner), and a step at most {} more",
-                    vec![
-                        hundredths(most.lock as f64),
-                        hundredths(Config::refined().most_work().lock as f64),
-                        format!("{},000", most.beyond_a_step / 1000),
-                    ],
-                ),
-            ],
-        },
-        Document {
-            name: "core/src/image/readout.rs",
-            sentences: vec![
-                ("| M4 | {} | {} | {} | {} | {} | {} |", pixels("mps2-an386")),
-                ("| M0+ | {} | {} | {} | {} | {} | {} |", pixels("thumbv6m-none-eabi")),
-            ],
-        },
-        Document {
-            name: "core/EVIDENCE.md",
-            sentences: vec![
-                (UPDATE, updates),
-                (
-                    "more than {} bytes (paper tracker), {} (robust), {} (robust with the refiner) and {} (`smr_init`)",
-                    vec![paper, robust, refined, limit("deepest \"$name\" ")],
-                ),
-            ],
-        },
-        Document {
-            name: "tests/chip/README.md",
-            sentences: vec![
-                ("| Cortex-M4 (`mps2-an386`) | {} B | 4232, 5500, 9252 B | {} B | {} M |", board("mps2-an386")),
-                ("| Cortex-M7 (`mps2-an500`) | {} B | 4232, 5500, 9252 B | {} B | {} M |", board("mps2-an500")),
-                ("| Cortex-M55 (`mps3-an547`) | {} B | 4232, 5500, 9252 B | {} B | {} M |", board("mps3-an547")),
-                (
-                    "takes {} M instructions on average and at most {} M, and the code {} KB of flash",
-                    vec![
-                        millions("mps3-an547 robust-instructions"),
-                        millions("mps3-an547 robust-most"),
-                        thousands("thumbv8m.main-none-eabihf+cortex-m55 robust-flash"),
-                    ],
-                ),
-            ],
-        },
-    ]
+    fn with_figures(&self, document: &str, text: &str, used: &mut BTreeSet<String>) -> String {
+        let [before, after, end] = MARK;
+        let mut parts = text.split(before);
+        let mut filled = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let (name, rest) = part.split_once(after).expect("a mark ends");
+            let (_, rest) = rest.split_once(end).unwrap_or_else(|| panic!("{document}: {name}: no {end} follows"));
+            used.insert(name.to_owned());
+            let figure = self.figure(name).unwrap_or_else(|| panic!("{document}: there is no figure {name}"));
+            filled.push_str(&[before, name, after, &figure, end, rest].concat());
+        }
+        filled
+    }
 }
 
 #[test]
-fn documents_have_the_figures_of_code_and_records() {
-    for Document { name, sentences } in documents() {
+fn figures_of_documents_are_those_measured() {
+    let (known, mut used) = (known(), BTreeSet::new());
+    for name in DOCUMENTS {
         let path = root().join(name);
         let text = fs::read_to_string(&path).unwrap();
-        let right =
-            sentences.iter().fold(text.clone(), |text, (sentence, figures)| written(name, &text, sentence, figures));
-        if std::env::var_os("SMR_RECORD").is_some() && text != right {
+        let right = known.filled(name, &text, &mut used);
+        if std::env::var_os("SMR_RECORD").is_some() {
             fs::write(&path, &right).unwrap();
             continue;
         }
         for (is, should) in text.lines().zip(right.lines()) {
-            assert_eq!(is, should, "{name}: SMR_RECORD=1 cargo test -p smr-tests figures writes it");
+            assert_eq!(is, should, "{name}: SMR_RECORD=1 cargo test -p smr-tests --test crates figures writes it");
+        }
+        assert_eq!(text.len(), right.len(), "{name} has other rows than tests/results");
+    }
+    let mut unused = known.tables.keys().filter(|name| !used.contains(*name));
+    assert_eq!(unused.next(), None, "no document has these rows");
+}
+
+/// Returns the first digits of the recorded hashes of these trackers, as `tests/results/measure` does.
+fn answers(trackers: &[Value]) -> String {
+    let trackers: Vec<String> = trackers.iter().map(text).collect();
+    let lines = include_str!("../../kit/answers.txt").lines();
+    let is_of = |line: &&str| line.split_whitespace().nth(1).is_some_and(|word| trackers.iter().any(|own| own == word));
+    lines.filter(is_of).map(|line| &line[..4]).collect::<Vec<_>>().concat()
+}
+
+#[test]
+fn figures_are_of_the_present_trackers() {
+    let old: Vec<String> = results()
+        .into_iter()
+        .filter(|(_, result)| result["answers"] != answers(result["trackers"].as_array().unwrap()))
+        .map(|(table, _)| table)
+        .collect();
+    assert!(
+        old.is_empty(),
+        "the trackers answer otherwise than when these tables were measured: tests/results/measure {}",
+        old.join(" ")
+    );
+}
+
+/// The header for C is made from comments of Rust, which have no marks.
+#[test]
+fn the_header_states_the_bounds_of_work() {
+    let millions = |config: Config, sweep| {
+        let mut config = config;
+        config.sweep = sweep;
+        written(config.most_work().update as f64, "M.1")
+    };
+    let [many, once] = [4, 1].map(|sweep| [Config::robust(), Config::refined()].map(|config| millions(config, sweep)));
+    let words = format!(
+        "at most {} million units ({} with the refiner), or {} ({}) with a `sweep` of 1",
+        many[0], many[1], once[0], once[1]
+    );
+    let header = fs::read_to_string(root().join("core/c/include/smr.h")).unwrap().replace("\n *", "");
+    let header = header.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(header.contains(&words), "smr.h: expected: {words}");
+}
+
+/// Each table of results has its command, and a table with figures is a table of results.
+#[test]
+fn figures_in_tables_come_from_results() {
+    for name in ["host-sim/RESULTS.md", "host-sim/FAULTS.md"] {
+        let text = fs::read_to_string(root().join(name)).unwrap();
+        let blocks: Vec<&str> = text.split("\n\n").collect();
+        for pair in blocks.windows(2).filter(|pair| pair[1].starts_with('|')) {
+            let is_result = pair[0].starts_with(TABLE[0]) || pair[1].contains(MARK[0]);
+            let figures = pair[1].lines().skip(2).flat_map(str::chars).filter(char::is_ascii_digit).count();
+            assert!(is_result || figures < 30, "{name}: a table without {}:\n{}", TABLE[0], pair[1]);
         }
     }
 }
 
 #[test]
-fn figures_are_found_and_written_over_the_ends_of_lines() {
-    let text = "It takes 5 KB. It takes 1.5\nKB of flash, and 7,000 more.";
-    let made = written("a", text, "takes {} KB of flash, and {} more.", &["2".into(), "8,000".into()]);
-    assert_eq!(made, "It takes 5 KB. It takes 2\nKB of flash, and 8,000 more.");
+fn figures_and_rows_are_found_and_written() {
+    let known = Known {
+        numbers: [("work/step".to_owned(), 128_000.0)].into(),
+        texts: [("a/b".to_owned(), "0.5".to_owned())].into(),
+        tables: [("a/all".to_owned(), vec!["x | 2".to_owned(), "y | 3".to_owned()])].into(),
+    };
+    let text = "It is <!--=a/b-->1<!---->, at most <!--=work/step ,-->7<!----> (<!--=work/step M.1-->7<!---->).\n\n\
+        <!-- results: a/all -->\n\n| | n |\n|---|---|\n| x | 1 |\nMore.\n";
+    let right = "It is <!--=a/b-->0.5<!---->, at most <!--=work/step ,-->128,000<!----> (<!--=work/step M.1-->0.1<!---->).\n\n\
+        <!-- results: a/all -->\n\n| | n |\n|---|---|\n| x | 2 |\n| y | 3 |\nMore.\n";
+    assert_eq!(known.filled("a document", text, &mut BTreeSet::new()), right);
 }
