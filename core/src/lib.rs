@@ -71,7 +71,7 @@
 //! - `std`: detects the instruction sets of the machine at run time; see [`similarity::Backend`].
 //! - `defmt`: the public types implement `defmt::Format`; `record::to_defmt` writes a flight record to the log.
 //! - `unstable`: the module `unstable` gives tests access to the inside of the trackers. It may change in any version.
-//! - `refiner`: a small learned network corrects the box of [`Robust`]. 25 KB of flash.
+//! - `refiner`: a small learned network corrects the box of [`Robust`]. 26 KB of flash.
 //! - `pursuit`: the module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
 #![no_std]

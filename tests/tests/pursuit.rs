@@ -226,7 +226,7 @@ fn a_moving_target_stays_near_the_centre() {
 fn the_robust_tracker_holds_at_every_speed() {
     let config = robust::Config::refined();
     holds::<Robust>(config, &[(5.0, 0.0, 14.0), (10.0, 0.5, 14.0), (20.0, 0.5, 14.0)]);
-    holds::<Robust>(config, &[(30.0, 0.0, 14.0), (40.0, 0.5, 18.0), (60.0, 0.0, 34.0)]);
+    holds::<Robust>(config, &[(30.0, 0.0, 14.0), (40.0, 0.5, 18.0), (60.0, 0.0, 20.0)]);
 }
 
 /// Follows a target that moves 20 degrees to the right at 30 degrees per second and then stands still for a second.

@@ -143,6 +143,19 @@ fn requirements_are_numbered() {
     assert_eq!(unknown, None, "core/SAFETY.md names a number that core/EVIDENCE.md does not have");
 }
 
+/// The bounds have their tests in the last column.
+#[test]
+fn the_tests_of_the_bounds_are_there() {
+    let evidence = fs::read_to_string(root().join("core/EVIDENCE.md")).unwrap();
+    let bounds = evidence.split_once("## Bounds").unwrap().1.split("\n## ").next().unwrap();
+    let rows = bounds.lines().filter_map(|line| line.trim_end_matches(" |").rsplit_once(" | "));
+    let words = rows.flat_map(|(_, tests)| tests.split('`').skip(1).step_by(2));
+    let names: Vec<&str> = words.filter(|word| word.matches('_').count() > 1).collect();
+    let text = ["core/src", "core/tests", "core/c/tests"].map(|folder| sources(&root().join(folder))).concat();
+    let missing = names.iter().find(|name| !text.contains(&format!("fn {name}")));
+    assert!(names.len() > 8 && missing.is_none(), "core/EVIDENCE.md: there is no test {missing:?}");
+}
+
 #[test]
 fn what_cargo_refuses_is_noticed() {
     let packages = packages();
