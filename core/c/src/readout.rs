@@ -165,7 +165,7 @@ pub unsafe extern "C" fn smr_readout_begin(
     pixels: *mut u8,
     size: usize,
 ) -> smr_status {
-    // SAFETY: as of the call.
+    // SAFETY: by the header, each address is valid for its type, `windows` for two, `pixels` for `size` initialised bytes.
     unsafe { smr_readout_begin_shrunk(readout, format, columns, lines, 1, windows, pixels, size) }
 }
 

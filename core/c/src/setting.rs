@@ -99,7 +99,7 @@ pub unsafe extern "C" fn smr_config_small_refined(config: *mut smr_config) -> sm
 unsafe fn fill_robust<S: SizeInC>(config: *mut smr_config, refiner: bool) -> Result<(), smr_status> {
     let mut preset = S::PRESET;
     preset.refiner = refiner;
-    // SAFETY: as this function.
+    // SAFETY: a `config` that passes `pointer::check` points to memory for an `smr_config`.
     unsafe { fill(config, method_of::<Robust<S>>(), |config| config.robust = (&preset).into()) }
 }
 
