@@ -64,7 +64,7 @@ def count_frames(programs):
     }
     labels |= {f"OpenCV-5.0.0-{name}": f"OpenCV 5.0.0 {name}" for name in ("TLD", "MedianFlow", "KCF", "CSRT", "MIL")}
     rows = {key: [label, *(str(counts[key].get(name, "")) for name in TLD)] for key, label in labels.items()}
-    short = {key: rows[key] for key in ("paper", "paper, k = 7/20, inclusive", "SMR, the paper", "robust", "robust without refiner", "OpenCV-5.0.0-TLD")}
+    short = {key: rows[key] for key in ("paper", "paper, k = 7/20, inclusive", "SMR, the paper", "robust")}
     return {}, {"all": list(rows.values()), "short": list(short.values())}
 
 
