@@ -164,39 +164,41 @@ impl<'a> Scorer<'a> {
 
     /// The score of those pixels of `template` that lie on the zero padding around the frame. `seen` is the part of the
     /// template on the frame, in template coordinates; it may be empty. The template has at most `MAX_PIXELS` pixels.
-    #[cfg(not(smr_swar))]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
         let (width, height, right, bottom) = (template.width(), template.height(), seen.right(), seen.bottom());
         let [over, left] = [seen.y, seen.x].map(|size| u16::try_from(size).unwrap_or(0));
         let rest = |all: u16, from: i32| u16::try_from(i32::from(all) - from).unwrap_or(0);
-        let mut sum = 0;
-        for mut part in [
+        let parts = [
             Rect::new(0, 0, width, over),
             Rect::new(0, bottom, width, rest(height, bottom)),
             Rect::new(0, seen.y, left, seen.height),
             Rect::new(right, seen.y, rest(width, right), seen.height),
-        ] {
-            let end = part.right();
-            while part.x < end {
-                part.width = rest(u16::try_from(end).unwrap_or(u16::MAX), part.x).min(u16::from(BLACK_PIXELS));
-                if let Some(template) = template.crop(part)
-                    && let Some(black) = Image::repeated(&BLACK, part.width, part.height)
-                {
-                    sum += by_backend!(&self.ready, Ready(kernels) => kernels.score_at_least(black, template, 0))
-                        .unwrap_or(0);
-                }
-                part.x += i32::from(part.width);
+        ];
+        parts.into_iter().filter_map(|part| template.crop(part)).map(|part| self.score_of_black(part)).sum()
+    }
+
+    /// The score of a template on black pixels.
+    #[cfg(smr_swar)]
+    fn score_of_black(&self, template: Image<'_>) -> u32 {
+        swar::score_of_black(template, self.plain.table)
+    }
+
+    /// The score of a template on black pixels.
+    #[cfg(not(smr_swar))]
+    fn score_of_black(&self, template: Image<'_>) -> u32 {
+        let (mut sum, mut left) = (0, 0);
+        while left < template.width() {
+            let part = Rect::new(left.into(), 0, (template.width() - left).min(BLACK_PIXELS.into()), template.height());
+            if let Some(template) = template.crop(part)
+                && let Some(black) = Image::repeated(&BLACK, part.width, part.height)
+            {
+                sum +=
+                    by_backend!(&self.ready, Ready(kernels) => kernels.score_at_least(black, template, 0)).unwrap_or(0);
             }
+            left += part.width;
         }
         sum
-    }
-    /// The score of those pixels of `template` that lie on the zero padding around the frame. Uses the plain loop,
-    /// because no loop over words is faster.
-    #[cfg(smr_swar)]
-    #[must_use]
-    pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
-        plain::score_on_padding(template, seen, self.plain.table)
     }
 }
 

@@ -3,12 +3,8 @@
 
 use super::super::cut_table::CutTable;
 use super::super::scores::{Blocks, ONE, Scores};
-#[cfg(smr_swar)]
-use super::super::unrolling::rolled;
 use super::super::unrolling::rolled_if_rare;
 use crate::image::Image;
-#[cfg(smr_swar)]
-use crate::image::Rect;
 
 #[derive(Clone, Copy)]
 pub(crate) struct Plain<'a> {
@@ -140,32 +136,4 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         }
         (*to_low, *to_high) = (low, high);
     }
-}
-
-/// The score of those pixels of `template` that lie on the zero padding around the frame. `seen` is the part of the
-/// template on the frame, in template coordinates; it may be empty.
-#[cfg(smr_swar)]
-#[must_use]
-#[cfg_attr(smr_small, inline(never))]
-pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
-    let mut sum = 0;
-    let width = usize::from(template.width());
-    let [left, right] = [seen.x, seen.right()].map(|x| usize::try_from(x).unwrap_or(0));
-    for y in 0..template.height() {
-        let is_seen = (seen.y..seen.bottom()).contains(&y.into());
-        let (left, right) = if is_seen { (left, right) } else { (0, 0) };
-        if left > 0 {
-            sum += row_on_padding(template.row(y).get(..left).unwrap_or_default(), table);
-        }
-        if right < width {
-            sum += row_on_padding(template.row(y).get(right..).unwrap_or_default(), table);
-        }
-    }
-    sum
-}
-
-#[cfg(smr_swar)]
-#[inline(never)]
-fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
-    rolled(row.iter()).map(|&g| u32::from(table.of_pixels(0, g))).sum()
 }

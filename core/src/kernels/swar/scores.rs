@@ -133,6 +133,20 @@ impl Scores for Swar<'_> {
     }
 }
 
+/// The score of a template on black pixels.
+#[cfg(smr_swar)]
+#[inline(never)]
+pub(crate) fn score_of_black(template: Image<'_>, table: &CutTable) -> u32 {
+    let rows = Rows::of(template, template);
+    let mut sum = 0;
+    for y in 0..rows.height {
+        let (_, g) = rows.row(y);
+        // SAFETY: the template has `width` pixels there. The table is symmetrical.
+        sum += unsafe { row_sum(g, g, rows.width, |_, g| table.of_pixels(g, 0).into()) };
+    }
+    sum
+}
+
 /// # Safety
 /// `width` pixels can be read at `f` and at `g`.
 #[inline(never)]
