@@ -8,7 +8,7 @@ class Board(NamedTuple):
     chip: str
     # The clock in MHz; 0 if the processor has no estimate.
     clock: int
-    # The processor in the table of cycles, or a family whose instructions are compared with those of the M4.
+    # The processor in the table of cycles, or a family in the ratios of instructions.
     processor: str
     ram: str
     archive: str
@@ -17,9 +17,6 @@ class Board(NamedTuple):
     tried: str
 
 
-# Mean instructions of an update on the test vectors, as multiples of the M4's: paper, robust, refined. `.ci/xtensa all` prints those
-# of Xtensa.
-RATIOS = {"riscv": (1.8, 2.2, 2.9), "xtensa": (2.2, 2.7, 3.9)}
 TRACKERS = ("paper", "robust", "refined")
 
 BOARDS = [
@@ -61,21 +58,21 @@ BOARDS = [
 ]
 
 
-def updates(board, cycles):
-    """Updates a second of each tracker, with two digits. `cycles` has millions for each processor and tracker."""
-    ratios = RATIOS.get(board.processor, (1, 1, 1))
-    own = cycles["cortex-m4" if board.processor in RATIOS else board.processor]
-    return [float(f"{board.clock / millions / ratio:.2g}") for millions, ratio in zip(own, ratios)]
+def updates(board, cycles, ratios):
+    """Updates a second of each tracker, with two digits. `cycles` has millions for each processor and tracker, `ratios` a family's instructions
+    as multiples of those of the M4."""
+    own = cycles["cortex-m4" if board.processor in ratios else board.processor]
+    return [float(f"{board.clock / millions / ratio:.2g}") for millions, ratio in zip(own, ratios.get(board.processor, (1, 1, 1)))]
 
 
-def row(board, cycles):
+def row(board, cycles, ratios):
     most, _, note = board.most.partition(" ")
-    rates = [f"{rate:.0f}" for rate in updates(board, cycles)] if board.clock else ["", "", "any"]
+    rates = [f"{rate:.0f}" for rate in updates(board, cycles, ratios)] if board.clock else ["", "", "any"]
     at = TRACKERS.index(most)
     cells = [*rates[:at], f"**{rates[at]}** {note}".strip(), *["-"] * (2 - at)]
     chip = f"{board.chip}, {board.clock} MHz" if board.clock else board.chip
     return [board.name, chip, board.ram, f"`{board.archive}`", *cells, board.tried]
 
 
-def rows(cycles):
-    return [row(board, cycles) for board in BOARDS]
+def rows(cycles, ratios):
+    return [row(board, cycles, ratios) for board in BOARDS]

@@ -64,6 +64,18 @@ def millions(count):
     return f"{count / 1e6:.2f}" if count < 1e6 else f"{count / 1e6:.1f}"
 
 
+def instruction_ratios(programs):
+    """Mean instructions of an update on the test vectors, as multiples of the M4's: paper, robust, refined."""
+    families = {"cortex-m4": "", "riscv32imc": "riscv", "xtensa": "xtensa"}
+    command = [".ci/instructions", *families]
+    programs.said(" ".join(command))
+    counts = {}
+    for line in run(command, cwd=ROOT).splitlines():
+        archive, _, count = line.split()
+        counts.setdefault(archive, []).append(int(count))
+    return {family: [own / m4 for own, m4 in zip(counts[name], counts["cortex-m4"])] for name, family in families.items() if family}
+
+
 def chips(programs):
     """Estimated cycles of both trackers, and updates a second of chips."""
     firmware = Firmware(programs)
@@ -83,7 +95,9 @@ def chips(programs):
         rows.append([f"{tracker}, lock", *(f"{float(lock):.2f}" for lock, _, _ in own)])
     by_chip = [[chip, f"{clock} MHz", *(rates[chip, clock].get(tracker, "-") for tracker in TRACKERS)] for chip, clock in rates]
     medians = {name: [float(cycles[tracker, name][1]) for tracker in TRACKERS] for name in processors}
-    return {}, {"cycles": rows, "rates": by_chip, "boards": boards_table(medians)}
+    ratios = instruction_ratios(programs)
+    figures = {family: "; ".join(f"{ratio:.1f}" for ratio in own) for family, own in ratios.items()}
+    return figures, {"cycles": rows, "rates": by_chip, "boards": boards_table(medians, ratios)}
 
 
 def replay(programs):
