@@ -13,10 +13,12 @@ use smr_core::{Rect, State};
 use smr_recordings::away::Away;
 use smr_recordings::fault::Fault;
 use smr_recordings::{Sequence, Trajectory};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-const LEAD: usize = 10;
+/// Frames from the lock to the fault.
+pub(super) const LEAD: usize = 10;
 const WATCHED: usize = 50;
 /// Maximum number of runs per tracker, fault and recording; in each run the fault begins at a different frame.
 const MAX_PLACES: usize = 8;
@@ -124,12 +126,24 @@ impl Protocol for Faults<'_> {
     }
 
     fn figures(&self, _: &Variant, recording: &Recording, case: &Case, run: &Run) -> Result<Option<Counts>> {
-        let truth = match &case.intervention {
-            Intervention::Fault(.., fault, away) if fault.is_away() => &away.truth(&recording.truth),
-            _ => &recording.truth,
-        };
         let place = case.frame + LEAD;
-        Ok(Counts::of(run, place..self.end(place, case.intervention.fault().as_ref()), truth))
+        let truth = truth(recording, case);
+        Ok(Counts::of(run, place..self.end(place, case.intervention.fault().as_ref()), &truth))
+    }
+}
+
+/// Returns the runs with each of `faults`, without those of the control. Errors: They fit nowhere in the recording.
+pub(super) fn runs(faults: &[Fault], recording: &Recording) -> Result<Vec<Case>> {
+    let mut cases = Faults::new(faults).cases(0, recording)?;
+    cases.retain(|case| case.intervention.fault().is_some());
+    Ok(cases)
+}
+
+/// Returns the boxes of the frames that the tracker gets.
+pub(super) fn truth<'a>(recording: &'a Recording, case: &Case) -> Cow<'a, Trajectory> {
+    match &case.intervention {
+        Intervention::Fault(.., fault, away) if fault.is_away() => away.truth(&recording.truth).into(),
+        _ => Cow::Borrowed(&recording.truth),
     }
 }
 

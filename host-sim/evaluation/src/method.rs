@@ -18,6 +18,11 @@ pub trait Method {
         None
     }
 
+    /// Returns the most pixels that a lock or an update has read so far; 0 from baselines.
+    fn most_pixels(&self) -> usize {
+        0
+    }
+
     /// Returns the template of a baseline; `None` before the first lock, and from smr-core's trackers.
     fn template(&self) -> Option<Image<'_>> {
         None

@@ -77,6 +77,8 @@ pub struct Run {
     pub frames: Vec<usize>,
     /// Total time of all frames after the first lock: updates, and locks on corrections.
     pub time: Duration,
+    /// The most pixels that a lock or an update has read; 0 from baselines.
+    pub most_pixels: usize,
 }
 
 impl Run {
@@ -89,6 +91,7 @@ impl Run {
             }
             self.reports.push(report);
             self.frames.push(place);
+            self.most_pixels = follower.method.most_pixels();
         }
         Ok(())
     }

@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use smr_core::paper::{Config, Fraction};
 use smr_core::robust::Small;
-use smr_core::{Frame, Quality, Rect, Robust, Target, robust};
+use smr_core::{Frame, Quality, Rect, Robust, Target, Windows, robust};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -137,7 +137,10 @@ fn stepped<T: Target + 'static>(
     step: u32,
 ) -> Result<Vec<Box<dyn Method>>> {
     let workspace = Rc::default();
-    several(count, || Ok(Stepped::<T> { kind, target: T::with(config)?, workspace: Rc::clone(&workspace), step }))
+    several(count, || {
+        let target = T::with(config)?;
+        Ok(Stepped::<T> { kind, target, workspace: Rc::clone(&workspace), step, most_pixels: 0 })
+    })
 }
 
 struct Stepped<T: Target> {
@@ -145,6 +148,7 @@ struct Stepped<T: Target> {
     target: T,
     workspace: Rc<RefCell<T::Workspace>>,
     step: u32,
+    most_pixels: usize,
 }
 
 impl<T: Target> Method for Stepped<T> {
@@ -154,7 +158,13 @@ impl<T: Target> Method for Stepped<T> {
 
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
         self.target.lock(&mut self.workspace.borrow_mut(), frame, target)?;
+        let window = Windows::new(self.target.lock_window(frame.bounds(), target), None);
+        self.most_pixels = self.most_pixels.max(window.pixels());
         Ok(())
+    }
+
+    fn most_pixels(&self) -> usize {
+        self.most_pixels
     }
 
     fn quality(&self) -> Option<Quality> {
@@ -162,6 +172,8 @@ impl<T: Target> Method for Stepped<T> {
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<MethodAnswer> {
+        let pixels = self.target.windows().map_or(0, |windows| windows.pixels());
+        self.most_pixels = self.most_pixels.max(pixels);
         let workspace = &mut self.workspace.borrow_mut();
         loop {
             if let Some(answer) = self.target.update_step(workspace, frame, self.step)? {
