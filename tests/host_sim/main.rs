@@ -10,6 +10,7 @@ mod program;
 
 #[cfg(unix)]
 mod cases;
+mod choice;
 mod command_line;
 mod documents;
 #[cfg(unix)]

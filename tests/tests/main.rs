@@ -1,5 +1,6 @@
 //! Tests across the crates, in one program, so that they run in parallel.
 
+mod chips;
 mod conformance;
 mod documents;
 mod languages;

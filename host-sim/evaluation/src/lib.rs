@@ -5,6 +5,7 @@
 //! OTB and VOT. [`robustness`], [`faults`] and [`covers`] share a driver. Results are [`Tables`].
 
 mod baseline;
+pub mod choice;
 pub mod covers;
 mod evaluation;
 pub mod faults;

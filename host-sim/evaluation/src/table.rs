@@ -30,6 +30,10 @@ pub enum TableName {
     Printed,
     /// Of --robustness: mean differences to another tracker, recording by recording
     Paired,
+    /// Of --chip: the trackers, with their accuracy, time and memory
+    Candidates,
+    /// Of --chip: the choice
+    Choice,
 }
 
 impl TableName {

@@ -7,6 +7,7 @@ use super::tracker_options::TrackerOptions;
 use super::{HostSim, Outcome, progress, tell, told, whole};
 use anyhow::{Context, Error, Result, bail, ensure};
 use clap::CommandFactory;
+use smr_evaluation::choice::{self, Chip, Wanted};
 use smr_evaluation::robustness::{self, Former, Starts};
 use smr_evaluation::{Layout, Measured, MethodKind, Progress, TableName, Tables, Variant, covers, faults, paper_table};
 use smr_files::output::complain;
@@ -106,6 +107,26 @@ pub struct Eval {
     /// 30; recordings right again within 10 frames, of those right before. host-sim names each recording that fails one of these.
     #[arg(long, value_name = "NAME:N|away|all|light|cover", value_delimiter = ',', conflicts_with_all = ["compare", "robustness", "init", "inclusive"])]
     fault: Vec<Faults>,
+    /// Choose the tracker for this chip: one table, the choice with its reason, and its settings in Rust, C and Python
+    ///
+    /// The trackers are the paper's with two windows, and the robust one in both sizes, with and without the refiner, and with a smaller
+    /// window (`reach`). Each starts 5 times in each recording, as with --robustness, and runs under each fault of --fault [default:
+    /// dropped:5,black:3,gain:150,noise:20]. `right` is the fraction of visible frames with a right box (IoU > 0.25): the mean of `clean`
+    /// and of the mean over the faults, of which the frames from the fault on count.
+    ///
+    /// The rule: of the trackers that fit the chip's RAM and reach the frames a second of --fps in 19 of 20 updates, the most accurate one is
+    /// the best. The choice is the cheapest of those whose mean difference to the best, recording by recording, is at most its standard
+    /// error.
+    ///
+    /// Cycles are estimates: the work of these runs, times the cycles of a unit of work on the chip's processor. This rate is measured on
+    /// the recording `street` in the median and in the most expensive update, and the larger one counts: they differ by less than 8 % for
+    /// the robust tracker, and by less than 80 % for the paper's. Memory waits and the camera are not counted. Cycles of RISC-V and Xtensa
+    /// are the Cortex-M4's times a ratio of instructions. RAM is that of target, workspace and the most pixels that an update has read.
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["compare", "robustness", "init", "inclusive", "method", "config", "set", "backend", "step"])]
+    chip: Option<Chip>,
+    /// With --chip: the frames a second that the chip must reach [default: 30]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=65535), requires = "chip")]
+    fps: Option<u16>,
     #[command(flatten)]
     tables: TableOptions,
     #[command(flatten)]
@@ -155,6 +176,7 @@ enum Protocol {
     Robustness(Starts),
     Faults(Vec<Fault>),
     Cover,
+    Choice(Wanted, Vec<Fault>),
 }
 
 impl Protocol {
@@ -164,6 +186,7 @@ impl Protocol {
             Self::Robustness(_) => &[TableName::Measured, TableName::Starts, TableName::Means, TableName::Paired],
             Self::Faults(_) => &[TableName::Measured],
             Self::Cover => &[TableName::Measured, TableName::Means],
+            Self::Choice(..) => &[TableName::Candidates, TableName::Choice],
         }
     }
 }
@@ -196,6 +219,7 @@ impl Eval {
         };
         let open = |path: &Path| self.recording.open(path);
         let Measured { tables, failures, notes, is_empty } = match protocol {
+            Protocol::Choice(wanted, faults) => choice::measure(&found, open, &wanted, &faults, &progress),
             Protocol::Cover => covers::measure(&found, open, &variants, &progress),
             Protocol::Faults(faults) => faults::measure(&found, open, &variants, &faults, &progress),
             Protocol::Robustness(starts) => {
@@ -247,9 +271,16 @@ impl Eval {
         for faults in &self.fault {
             match faults {
                 Faults::List(list) => all.extend(list),
+                Faults::Cover if self.chip.is_some() => {
+                    bail!("--fault cover does not go with --chip: expected other faults, or away")
+                }
                 Faults::Cover if self.fault.len() == 1 => return Ok(Protocol::Cover),
                 Faults::Cover => bail!("--fault cover is measured alone: expected no other fault"),
             }
+        }
+        if self.chip.is_some() && all.is_empty() {
+            let usual = |name: &str| name.parse().with_context(|| name.to_owned());
+            all = choice::FAULTS.split(',').map(usual).collect::<Result<_>>()?;
         }
         if all.is_empty() {
             return Ok(Protocol::Whole);
@@ -259,7 +290,11 @@ impl Eval {
             "<PATH>... is missing: expected host-sim eval --fault <NAME:N|away|all|light|cover> <PATH>... (`host-sim eval --help` has examples)"
         );
         let first = |(at, fault): (usize, &Fault)| (!all[..at].contains(fault)).then_some(*fault);
-        Ok(Protocol::Faults(all.iter().enumerate().filter_map(first).collect()))
+        let faults = all.iter().enumerate().filter_map(first).collect();
+        Ok(match self.chip {
+            Some(chip) => Protocol::Choice(Wanted { chip, fps: self.fps.unwrap_or(choice::FPS) }, faults),
+            None => Protocol::Faults(faults),
+        })
     }
 
     /// True if no option selects a method, a setting, the initial box or frames.
