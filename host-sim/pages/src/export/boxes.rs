@@ -27,8 +27,8 @@ pub enum Format {
     Got10k,
     /// MOTChallenge: frame,number of the target,x,y,width,height,confidence,-1,-1,-1, the first pixel being 1; no line if it is lost
     Mot,
-    /// Names in the first line, then frame, time in seconds, box, state and the figures behind it; empty where there are none. With names of targets the
-    /// first column is the target. Frames before its box have no line
+    /// Names in the first line, then frame, time in seconds, box, state, the figures behind it, the box's centre and its speed in pixels a second since the
+    /// target's frame before; empty where there are none. With names of targets the first column is the target. Frames before its box have no line
     Csv,
     /// One object for each frame, as --json
     Json,
@@ -102,12 +102,15 @@ pub struct Printer {
     about: About,
     coco: coco::Images,
     cvat: cvat::Tracks,
+    /// The time and the centre of each target in its last frame; `None` without a time or a box.
+    former: Vec<Option<(f64, (f64, f64))>>,
 }
 
 impl Printer {
     pub fn new(format: Format, about: About) -> Self {
-        let cvat = cvat::Tracks::new(about.targets.len());
-        Self { format, about, coco: coco::Images::default(), cvat }
+        let targets = about.targets.len();
+        let (coco, cvat) = (coco::Images::default(), cvat::Tracks::new(targets));
+        Self { format, about, coco, cvat, former: vec![None; targets] }
     }
 
     pub fn head(&self) -> String {
@@ -136,7 +139,8 @@ impl Printer {
             Format::Csv => {
                 let name =
                     if self.is_named() { self.about.label(answer.target).to_owned() + "," } else { String::new() };
-                return Ok(answer.report.map_or(String::new(), |report| name + &csv_line(answer, report)));
+                let speed = self.speed(answer);
+                return Ok(answer.report.map_or(String::new(), |report| name + &csv_line(answer, report, speed)));
             }
             Format::Json => return self.json(answer),
             Format::Coco => return self.coco.annotation(answer),
@@ -154,6 +158,15 @@ impl Printer {
             Format::Cvat => Ok(self.cvat.text(&self.about)),
             _ => Ok(String::new()),
         }
+    }
+
+    /// Returns the speed of the target's centre since its frame before, in pixels a second; `None` if one of both frames
+    /// has no box or no time.
+    fn speed(&mut self, answer: &Answer<'_>) -> Option<f64> {
+        let present = answer.time.zip(answer.report.and_then(|report| report.target).map(|target| target.centre()));
+        let former = std::mem::replace(self.former.get_mut(answer.target)?, present);
+        let ((before, from), (now, to)) = former.zip(present)?;
+        (now > before).then(|| (to.0 - from.0).hypot(to.1 - from.1) / (now - before))
     }
 
     fn json(&self, answer: &Answer<'_>) -> Result<String> {
@@ -183,8 +196,7 @@ impl Printer {
     }
 }
 
-const CSV_NAMES: &str =
-    "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work\n";
+const CSV_NAMES: &str = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work,centre_x,centre_y,speed\n";
 
 /// One answer as JSON. Boxes are null if the target is lost, and values that the method does not compute are null.
 #[derive(Serialize)]
@@ -235,7 +247,7 @@ fn score(report: &MethodAnswer) -> f64 {
     report.confidence().map_or(1.0, rounded)
 }
 
-fn csv_line(answer: &Answer<'_>, report: &MethodAnswer) -> String {
+fn csv_line(answer: &Answer<'_>, report: &MethodAnswer, speed: Option<f64>) -> String {
     let field = |value: Option<String>| value.unwrap_or_default();
     let target = report.target.map(|BoundingBox { x, y, width, height }| format!("{x},{y},{width},{height}"));
     let figure = |figure: fn(&Evidence) -> Option<f64>| {
@@ -253,6 +265,8 @@ fn csv_line(answer: &Answer<'_>, report: &MethodAnswer) -> String {
         figure(|evidence| evidence.identity),
         figure(|evidence| Some(evidence.scale)),
         field(report.work.map(|work| work.to_string())),
+        report.target.map_or_else(|| ",".to_owned(), |target| format!("{},{}", target.centre().0, target.centre().1)),
+        field(speed.map(|speed| rounded(speed).to_string())),
     ];
     fields.join(",") + "\n"
 }
@@ -312,7 +326,7 @@ mod tests {
             (Format::Vot, "-2,5,10,20\n", "0\n", "0\n"),
             (Format::Got10k, "-2,5,10,20\n", "0,0,0,0\n", "0,0,0,0\n"),
             (Format::Mot, "7,1,-1,6,10,20,1,-1,-1,-1\n", "", ""),
-            (Format::Csv, "7,,-2,5,10,20,leaving,,,,,,,\n", "7,,,,,,lost,0,0.666667,0.5,13,0.75,1,9\n", ""),
+            (Format::Csv, "7,,-2,5,10,20,leaving,,,,,,,,3,15,\n", "7,,,,,,lost,0,0.666667,0.5,13,0.75,1,9,,,\n", ""),
             (Format::Json, &json_found, &json_lost, ""),
         ] {
             let line = |method, report| printer(format, method, &[None]).line(&answer(0, 7, report)).unwrap();
@@ -323,7 +337,7 @@ mod tests {
         for format in [Format::Coco, Format::Cvat] {
             assert_eq!(printer(format, MethodKind::Robust, &[None]).line(&answer(0, 1, None)).unwrap(), "");
         }
-        assert_eq!(CSV_NAMES.matches(',').count(), 13);
+        assert_eq!(CSV_NAMES.matches(',').count(), 16);
     }
 
     #[test]
@@ -332,9 +346,34 @@ mod tests {
         let named = |format| printer(format, MethodKind::Robust, &[Some("man"), Some("car")]);
         let of = Answer { time: Some(4.8), ..answer(1, 120, Some(&report)) };
         assert_eq!(named(Format::Csv).head(), format!("target,{CSV_NAMES}"));
-        assert_eq!(named(Format::Csv).line(&of).unwrap(), "car,120,4.8,1,2,3,4,tracking,,,,,,,\n");
+        assert_eq!(named(Format::Csv).line(&of).unwrap(), "car,120,4.8,1,2,3,4,tracking,,,,,,,,2.5,4,\n");
         assert!(named(Format::Json).line(&of).unwrap().contains(r#""target":"car","frame":120,"time":4.8,"#));
         assert_eq!(named(Format::Mot).line(&of).unwrap(), "120,2,2,3,3,4,1,-1,-1,-1\n");
+    }
+
+    #[test]
+    fn speed_is_the_way_of_the_centre_over_the_time_between_two_frames_with_a_box() {
+        let seen = |x, y, width| MethodAnswer::locked(Rect::new(x, y, width, 4));
+        let lost = MethodAnswer { target: None, bbox: None, state: State::Lost, ..seen(0, 0, 1) };
+        let mut csv = printer(Format::Csv, MethodKind::Robust, &[Some("a"), Some("b")]);
+        // The centre of a box that grows to both sides stays: 3 right and 4 down are 5 pixels.
+        for (target, time, report, expected) in [
+            (0, Some(1.0), Some(seen(10, 10, 4)), "12,12,"),
+            (1, Some(1.0), Some(seen(0, 0, 4)), "2,2,"),
+            (0, Some(1.04), Some(seen(12, 14, 6)), "15,16,125"),
+            (1, Some(1.04), None, ""),
+            (0, Some(1.04), Some(seen(12, 14, 6)), "15,16,"),
+            (0, Some(1.08), Some(seen(11, 14, 8)), "15,16,0"),
+            (1, Some(1.08), Some(seen(0, 0, 4)), "2,2,"),
+            (0, Some(1.12), Some(lost), ",,"),
+            (0, Some(1.16), Some(seen(11, 14, 8)), "15,16,"),
+            (0, None, Some(seen(12, 14, 8)), "16,16,"),
+            (0, Some(1.24), Some(seen(12, 14, 8)), "16,16,"),
+        ] {
+            let line = csv.line(&Answer { time, ..answer(target, 7, report.as_ref()) }).unwrap();
+            let last = line.trim_end().rsplitn(4, ',').take(3).collect::<Vec<_>>();
+            assert_eq!(last.into_iter().rev().collect::<Vec<_>>().join(","), expected, "{line}");
+        }
     }
 
     /// Returns the text of three frames: `man` is visible in the first and the third, `car` from the second on.
