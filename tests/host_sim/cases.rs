@@ -1,4 +1,4 @@
-//! Runs `tests/cases`: command lines, each with the expected output of host-sim.
+//! Runs `tests/cases` and `host-sim/README.md`: command lines, each with the expected output of host-sim.
 //!
 //! The blocks ```console of a file run one after the other in a new folder. Below a line that begins with `$ ` stand the command's output, its
 //! errors, and in brackets its exit code if that is not 0; `...` stands for anything. `printf TEXT > FILE`, `head -c BYTES FILE > FILE` and
@@ -128,9 +128,11 @@ fn run(file: &Path) -> String {
 
 #[test]
 fn host_sim_says_what_the_cases_say() {
-    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/cases");
-    let files: Vec<_> = fs::read_dir(cases).expect("cases").map(|entry| entry.expect("a file").path()).collect();
+    let host_sim = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let cases = fs::read_dir(host_sim.join("../tests/cases")).expect("cases");
+    let mut files: Vec<_> = cases.map(|entry| entry.expect("a file").path()).collect();
     assert!(files.len() > 3);
+    files.push(host_sim.join("README.md"));
     std::thread::scope(|scope| {
         for file in &files {
             scope.spawn(move || {
