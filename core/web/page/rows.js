@@ -1,6 +1,6 @@
 // Formats the trackers' answers as `host-sim track --format csv` and `host-sim track --json` do.
 
-const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work\n";
+const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work,centre_x,centre_y,speed\n";
 
 // Rounds to six decimals, as host-sim does.
 const rounded = (value, unit) => (Number.isFinite(value) ? Math.round((value / unit) * 1e6) / 1e6 : null);
@@ -11,7 +11,12 @@ const rounded = (value, unit) => (Number.isFinite(value) ? Math.round((value / u
  */
 export function csv(named, timeOf) {
   const isNamed = named.length > 1;
-  const lines = inOrder(named).map(([name, row]) => `${isNamed ? `${name},` : ""}${csvLine(row, timeOf)}\n`);
+  const formers = new Map();
+  const lines = inOrder(named).map(([name, row]) => {
+    const line = csvLine(row, timeOf, formers.get(name));
+    formers.set(name, row);
+    return `${isNamed ? `${name},` : ""}${line}\n`;
+  });
   return (isNamed ? "target," : "") + CSV_NAMES + lines.join("");
 }
 
@@ -26,10 +31,24 @@ function inOrder(named) {
   return all.sort(([, one], [, other]) => one.number - other.number);
 }
 
-function csvLine(row, timeOf) {
+// The centre of a row's box, and its time; null while the target is lost.
+function centreOf({ number, state, fineBox: { x, y, width, height } }, timeOf) {
+  return state === "lost" ? null : { x: (x + width / 2) / 256, y: (y + height / 2) / 256, time: timeOf(number) };
+}
+
+// Pixels a second from the target's frame before; null if one of both frames has no box or no time.
+function speedOf(centre, row, former, timeOf) {
+  const before = former?.number === row.number - 1 ? centreOf(former, timeOf) : null;
+  const seconds = (centre?.time ?? NaN) - (before?.time ?? NaN);
+  return seconds > 0 ? rounded(Math.hypot(centre.x - before.x, centre.y - before.y) / seconds, 1) : null;
+}
+
+function csvLine(row, timeOf, former) {
   const { frame, time, state, fine, confidence, ratio, runner_up_ratio, alpha, identity, scale, work } = ofRow(row, timeOf);
   const box = fine === null ? ["", "", "", ""] : [fine.x, fine.y, fine.width, fine.height];
-  return [frame, time, ...box, state, confidence, ratio, runner_up_ratio, alpha, identity, scale, work].map((value) => value ?? "").join(",");
+  const centre = centreOf(row, timeOf);
+  const moved = [centre?.x, centre?.y, speedOf(centre, row, former, timeOf)];
+  return [frame, time, ...box, state, confidence, ratio, runner_up_ratio, alpha, identity, scale, work, ...moved].map((value) => value ?? "").join(",");
 }
 
 function ofRow({ number, state, box: { x, y, width, height }, fineBox: fine, alpha, foundAgain, work, ...row }, timeOf) {
