@@ -1150,7 +1150,7 @@ smr_status smr_config_refined(struct smr_config *config);
 
 /**
  * Fills a configuration of the small robust tracker without the refiner. It takes 7 KB less memory than that of
- * #smr_config_robust and a fifth less time, and follows as well on 90 recordings: its template has at most
+ * #smr_config_robust and a fifth less time, and follows equally well on 90 recordings: its template has at most
  * #SMR_ROBUST_SMALL_PIXELS pixels, and its `reach` is at most 7. Its memory are #smr_robust_small_target and
  * #smr_robust_small_workspace. Saved targets and flight records of one size cannot be continued with the other.
  *

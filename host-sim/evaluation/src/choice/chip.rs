@@ -44,7 +44,7 @@ pub const CHIPS: &[Chip] = {
         chip("esp32-s3", Xtensa, 240, 512),
         chip("esp32-c3", RiscV, 160, 400),
         chip("esp32-c6", RiscV, 160, 512),
-        chip("esp32-p4", RiscV, 400, 768),
+        chip("esp32-p4", RiscV, 360, 768),
         chip("stm32f405", CortexM4, 168, 192),
         chip("stm32f407", CortexM4, 168, 192),
         chip("stm32h743", CortexM7, 480, 1024),
@@ -59,7 +59,7 @@ pub const CHIPS: &[Chip] = {
         chip("himax-we2", CortexM55, 400, 2457),
         chip("max78000", CortexM4, 100, 128),
         chip("cxd5602", CortexM4, 156, 1536),
-        chip("k210", RiscV, 400, 6144),
+        chip("k210", RiscV, 400, 8192),
         chip("bl808", RiscV, 480, 768),
     ]
 };

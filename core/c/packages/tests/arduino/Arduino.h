@@ -28,6 +28,11 @@ static Stream Serial;
 enum { HEX = 16 };
 
 inline void delay(unsigned long) {}
+inline unsigned long millis()
+{
+  static unsigned long passed = 0;
+  return passed += 500;
+}
 
 void setup();
 void loop();

@@ -16,7 +16,7 @@ const int SIDE = HEIGHT / 5;
 #include "mbed_cameras.h"
 #endif
 
-static smr::Robust tracker;  // or smr::Small: 7 KB of RAM less, and it follows as well
+static smr::Robust tracker;  // or smr::Small: 7 KB of RAM less, and it follows equally well
 static bool locked = false;
 
 // Returns true if the serial monitor has sent something, and reads all of it: the monitor may add one or two characters that end a line.
@@ -30,10 +30,18 @@ static bool asked()
   return any;
 }
 
+// Each second, because a monitor that opens later misses what was sent before.
+static void hint()
+{
+  static unsigned long said = 0;
+  if (millis() - said < 1000) return;
+  said = millis();
+  Serial.println("camera of " CAMERA_BOARD ": send any character to lock");
+}
+
 void setup()
 {
   Serial.begin(115200);
-  Serial.println("camera of " CAMERA_BOARD);
   for (int error = beginCamera(); error != 0; error = beginCamera()) {
     Serial.print("no camera on " CAMERA_BOARD ", error 0x");
     Serial.println(error, HEX);
@@ -64,5 +72,7 @@ void loop()
     Serial.print((int)answer.bbox.x);
     Serial.print(" ");
     Serial.println((int)answer.bbox.y);
+  } else {
+    hint();
   }
 }
