@@ -125,7 +125,7 @@ mod tests {
 
     fn target(name: &str, frames: &[usize]) -> Target {
         let start = |&frame: &usize| (frame, synthetic::truth(frame - 1));
-        Target { name: Some(name.to_owned()), starts: frames.iter().map(start).collect() }
+        Target::new(Some(name.to_owned()), frames.iter().map(start).collect())
     }
 
     fn followed(variant: &Variant, targets: Vec<Target>) -> Vec<Vec<Option<MethodAnswer>>> {

@@ -95,7 +95,7 @@ impl RecordingOptions {
         // If the recording has no initial box, this fails with an error that explains how to give one.
         sequence.start()?;
         let starts = vec![(sequence.first, sequence.init)];
-        Ok((sequence, vec![Target { name: None, starts }]))
+        Ok((sequence, vec![Target::new(None, starts)]))
     }
 
     /// Opens the recording. Returns it with the targets of `--init` only.

@@ -173,7 +173,7 @@ impl View {
         smr_recordings::Target::check_frames(&given, 1, length, option)?;
         if given.is_empty() {
             let beside = beside.map(|rect| vec![(1, Some(rect.into()))]);
-            given.extend(beside.map(|starts| smr_recordings::Target { name: None, starts }));
+            given.extend(beside.map(|starts| smr_recordings::Target::new(None, starts)));
         }
         Target::numbered(given)
     }

@@ -117,7 +117,7 @@ pub fn watch(sequence: Sequence, what: Watch<'_>, progress: impl Fn()) -> Result
     let Watch { methods, mut targets, refusal, stills, budget } = what;
     ensure!(!methods.is_empty(), "there is no method to show");
     if targets.is_empty() {
-        targets.push(Target { name: None, starts: vec![(sequence.first, Some(sequence.start()?.into()))] });
+        targets.push(Target::new(None, vec![(sequence.first, Some(sequence.start()?.into()))]));
     }
     let Sequence { name, frames, truth, first, .. } = sequence.in_color(FFMPEG_PATIENCE);
     let locked = |target| Locked::new(target, first).with_context(|| name.clone());
@@ -427,7 +427,7 @@ mod tests {
     #[test]
     fn several_targets_are_followed_side_by_side() {
         let start = |frame: usize| (frame, synthetic::truth(frame - 1));
-        let target = |name: &str, starts| Target { name: Some(name.to_owned()), starts };
+        let target = |name: &str, starts| Target::new(Some(name.to_owned()), starts);
         let targets = || vec![target("a", vec![start(11), (25, None), start(30)]), target("b", vec![start(20)])];
         let part = || open().part("11..50".parse().unwrap(), 1, "--frames");
         let methods = variants(&[MethodKind::Robust, MethodKind::Paper]);

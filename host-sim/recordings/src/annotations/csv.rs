@@ -25,7 +25,7 @@ pub(super) fn tracks(text: &str) -> Result<Vec<Track>> {
     while let Some((at, row)) = rows.next()? {
         let (name, entry) = columns.entry(at, &row).with_context(|| line_of(text, at))?;
         let place = *places.entry(name).or_insert_with_key(|name| {
-            all.push(Track { name: name.clone(), entries: Vec::new() });
+            all.push(Track { name: name.clone(), entries: Vec::new(), is_line: false });
             all.len() - 1
         });
         all[place].entries.push(entry);

@@ -12,7 +12,8 @@ use std::collections::HashMap;
 const SHAPES: [&str; 8] = ["box", "polygon", "polyline", "points", "ellipse", "cuboid", "mask", "skeleton"];
 
 /// Parses CVAT XML. In a track, a key frame is a lock or, with `outside`, the frame from which on the target is gone.
-/// Shapes between key frames and shapes of a tracker (`source="auto"`) are skipped. In images, each shape is a lock of
+/// Shapes between key frames are skipped, because they lie on a line between these, as are shapes of a tracker
+/// (`source="auto"`). In images, each shape is a lock of
 /// the target that its label names.
 pub(super) fn tracks(text: &str) -> Result<Vec<Track>> {
     let (mut steps, mut file) = (Steps::new(text), File::default());
@@ -65,15 +66,15 @@ impl File {
         match element.name.as_str() {
             "version" | "meta" => Ok(()),
             "image" => number_of_frame(element, "id").map(|_| ()),
-            "track" => self.begin(attribute(element, "label")?).map(|_| ()),
+            "track" => self.begin(attribute(element, "label")?, true).map(|_| ()),
             other => bail!("<{other}> is not known: expected <track> or <image>"),
         }
     }
 
     /// Adds a track and returns its index.
-    fn begin(&mut self, label: &str) -> Result<usize> {
+    fn begin(&mut self, label: &str, is_line: bool) -> Result<usize> {
         let name = Some(unused(label, &mut self.names)?);
-        self.tracks.push(Track { name, entries: Vec::new() });
+        self.tracks.push(Track { name, entries: Vec::new(), is_line });
         Ok(self.tracks.len() - 1)
     }
 
@@ -87,7 +88,7 @@ impl File {
             let frame = number_of_frame(parent, "id")?;
             let label = attribute(shape, "label")?;
             let known = self.labels.get(label).copied();
-            let track = known.map_or_else(|| self.begin(label), Ok)?;
+            let track = known.map_or_else(|| self.begin(label, false), Ok)?;
             self.labels.insert(label.to_owned(), track);
             (frame, track)
         };

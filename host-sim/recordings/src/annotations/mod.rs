@@ -47,7 +47,7 @@ mod tests {
         let lock = |(frame, bbox): (usize, Option<BoundingBox>)| {
             format!("{frame}:{}", bbox.map_or("gone".to_owned(), |bbox| bbox.to_string()))
         };
-        let target = |Target { name, starts }: Target| {
+        let target = |Target { name, starts, .. }: Target| {
             let locks: Vec<_> = starts.into_iter().map(lock).collect();
             format!("{} {}", name.unwrap_or_default(), locks.join(" "))
         };
@@ -181,6 +181,17 @@ mod tests {
         let labels = ["car-2", "car", "car", "car"].map(label).concat();
         let names = ["car-2", "car", "car-3", "car-4"].map(|name| format!("{name} 1:1,1,8,8"));
         assert_eq!(read(&format!("<annotations>{labels}</annotations>")), Ok(names.to_vec()));
+    }
+
+    #[test]
+    fn a_track_of_cvat_goes_on_a_line_between_its_own_key_frames() {
+        let corners = "xtl=\"1\" ytl=\"1\" xbr=\"9\" ybr=\"9\"";
+        let shape = |frame: u8, more: &str| format!("<box frame=\"{frame}\" keyframe=\"1\" {more} {corners}/>\n");
+        let outside = shape(9, "outside=\"1\"");
+        let boxes = [shape(0, ""), shape(4, ""), outside, shape(12, ""), shape(14, "source=\"auto\""), shape(20, "")];
+        let lines = |text: &str| parse(text.as_bytes()).unwrap().remove(0).lines;
+        assert_eq!(lines(&track(&boxes.concat())), [1]);
+        assert_eq!(lines("frame,x,y,width,height\n1,1,2,3,4\n9,5,6,7,8"), [0; 0]);
     }
 
     #[test]

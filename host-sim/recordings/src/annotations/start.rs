@@ -23,9 +23,16 @@ pub struct Target {
     pub name: Option<String>,
     /// Sorted frame numbers, at least one, each with its box; `None` (never the first): gone until the next box.
     pub starts: Vec<(usize, Option<BoundingBox>)>,
+    /// Frames of those boxes from which the target goes to its next box on a line.
+    pub lines: Vec<usize>,
 }
 
 impl Target {
+    /// A target that only a tracker finds between its boxes.
+    pub const fn new(name: Option<String>, starts: Vec<(usize, Option<BoundingBox>)>) -> Self {
+        Self { name, starts, lines: Vec::new() }
+    }
+
     /// Groups starts by target, in the order given; a start without a frame gets `first`, the first frame that is read.
     /// Errors: Two starts of a target in one frame, a target without a name beside others, a frame before `first`, or
     /// an error of [`check_gone`].
@@ -36,7 +43,7 @@ impl Target {
             ensure!(frame >= first, "--init: frame {frame} is not read: expected {first} or later (--frames)");
             let known = targets.iter().position(|target| target.name == *name);
             let at = known.unwrap_or_else(|| {
-                targets.push(Self { name: name.clone(), starts: Vec::new() });
+                targets.push(Self::new(name.clone(), Vec::new()));
                 targets.len() - 1
             });
             let target = &mut targets[at];

@@ -22,6 +22,8 @@ pub(super) enum Seen {
 pub(super) struct Track {
     pub name: Option<String>,
     pub entries: Vec<Entry>,
+    /// True if the target goes from each box to the next entry on a line.
+    pub is_line: bool,
 }
 
 impl Track {
@@ -44,6 +46,9 @@ impl Track {
     pub fn target(mut self, text: &str) -> Result<Target> {
         self.sort(text)?;
         let mut starts: Vec<(usize, Option<BoundingBox>)> = Vec::new();
+        // No line begins or ends at a box of a tracker, or leads to where the target is gone.
+        let pairs = self.entries.windows(2).filter(|pair| pair.iter().all(|entry| matches!(entry.seen, Seen::Box(_))));
+        let lines = pairs.filter(|_| self.is_line).map(|pair| pair[0].frame).collect();
         for Entry { frame, at, seen } in self.entries {
             match seen {
                 Seen::Box(bbox) => {
@@ -54,7 +59,7 @@ impl Track {
                 Seen::Gone | Seen::Answer => {}
             }
         }
-        Ok(Target { name: self.name, starts })
+        Ok(Target { name: self.name, starts, lines })
     }
 }
 
