@@ -15,6 +15,7 @@ use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::viewer::{
     Camera, Followed, Growing, Job, Lock, Made, Requests, Server, Session, Source, Target, Viewer, Work, check_inside,
+    plain,
 };
 use smr_recordings::annotations;
 use smr_recordings::{BUILT_IN, FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
@@ -88,7 +89,9 @@ impl View {
         let targets = self.targets(beside, length).with_context(|| name.clone())?;
         let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.gray;
         let is_live = source.live().is_some();
-        let (session, work) = Session::open(self.session_file(is_live), &name)?;
+        let session_file = self.session_file(is_live);
+        let place = session_file.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+        let (session, work) = Session::open(session_file, &name)?;
         // Name of the file that the targets come from, for error messages.
         let given_by = self.boxes.as_ref().map(|file| file.display().to_string());
         let from = given_by.or_else(|| session.name().filter(|_| work.is_some())).unwrap_or_else(|| name.clone());
@@ -117,6 +120,7 @@ impl View {
             size: (first.width, first.height),
             words: shell::line(words.iter().map(OsString::as_os_str)),
             films: if !is_live && has_ffmpeg() { FILM_ENDINGS.to_vec() } else { Vec::new() },
+            place,
             source,
             followed,
             made: Arc::clone(&made),
@@ -344,13 +348,12 @@ impl Requests for Desk {
 
 /// Returns a file name, valid on every system, that begins with the name of the source.
 fn file(name: &str, so_far: &str, ending: &str) -> String {
-    let plain = |letter: char| if letter.is_ascii_alphanumeric() || "-_".contains(letter) { letter } else { '_' };
-    let name: String = name.trim_start_matches('-').chars().map(plain).take(80).collect();
+    let name = plain(name);
     format!("{}{so_far}.{ending}", if name.is_empty() { "boxes" } else { &name })
 }
 
 fn inits(targets: &[Target]) -> Vec<OsString> {
-    let init = |target: &Target, Lock { frame, bbox }: &Lock| {
+    let init = |target: &Target, Lock { frame, bbox, .. }: &Lock| {
         let name = if targets.len() > 1 { format!("{}=", target.name) } else { String::new() };
         let at = if *frame == 1 { String::new() } else { format!("@{frame}") };
         let place = |(x, y, width, height)| format!("{x},{y},{width},{height}");

@@ -21,16 +21,19 @@ mod routes;
 mod server;
 mod session;
 mod source;
+mod spans;
 #[cfg(test)]
 mod test_viewer;
 mod thread;
+mod truth;
+mod truth_recording;
 
 pub use answers::{AnsweredFrame, Followed};
 pub use camera::Camera;
 pub use model::{Lock, Target, check_inside};
 pub use ordered_files::{Job, Made};
 pub use recording::Growing;
-pub use routes::{Requests, Viewer};
+pub use routes::{Requests, Viewer, plain};
 pub use server::Server;
 pub use session::{Session, Work};
 pub use source::{Known, LiveState, Source};

@@ -1,5 +1,6 @@
 //! Targets as the user drew them: each with its locks, the frames with a box of the user.
 
+use super::spans::Spans;
 use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::Rect;
@@ -10,6 +11,12 @@ pub struct Target {
     pub id: u32,
     pub name: String,
     pub locks: Vec<Lock>,
+    /// Frames in which something covers the target. The tracker goes on; the truth has no box.
+    #[serde(default, skip_serializing_if = "Spans::is_empty")]
+    pub hidden: Spans,
+    /// Frames in which the user has looked at the present boxes.
+    #[serde(default, skip_serializing_if = "Spans::is_empty")]
+    pub checked: Spans,
 }
 
 /// A frame in which the user drew the target's box, or from which on the target is gone.
@@ -19,14 +26,19 @@ pub struct Lock {
     /// Left, top, width and height in whole pixels; `None`: the target is gone until its next box.
     #[serde(rename = "box", deserialize_with = "Option::deserialize")]
     pub bbox: Option<(i32, i32, u16, u16)>,
+    /// True if the boxes between this one and the next lie on a line between them; false if the tracker finds them.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub by_hand: bool,
 }
 
 impl Target {
     /// Numbers targets from 1. Errors: A box has no pixels.
     pub fn numbered(given: Vec<smr_recordings::Target>) -> Result<Vec<Self>> {
         let target = |(id, given): (u32, smr_recordings::Target)| {
-            let locks = given.rects()?.into_iter().map(|(frame, rect)| Lock::new(frame, rect)).collect();
-            Ok(Self { id, name: given.name.unwrap_or_else(|| "target".to_owned()), locks })
+            let lock = |(frame, rect)| Lock { by_hand: given.lines.contains(&frame), ..Lock::new(frame, rect) };
+            let locks = given.rects()?.into_iter().map(lock).collect();
+            let name = given.name.unwrap_or_else(|| "target".to_owned());
+            Ok(Self { id, name, locks, hidden: Spans::default(), checked: Spans::default() })
         };
         (1..).zip(given).map(target).collect()
     }
@@ -42,7 +54,7 @@ impl Target {
 
 impl Lock {
     pub fn new(frame: usize, rect: Option<Rect>) -> Self {
-        Self { frame, bbox: rect.map(|Rect { x, y, width, height }| (x, y, width, height)) }
+        Self { frame, bbox: rect.map(|Rect { x, y, width, height }| (x, y, width, height)), by_hand: false }
     }
 
     pub fn rect(&self) -> Option<Rect> {
@@ -66,10 +78,11 @@ pub fn check_inside<'a>(locks: impl IntoIterator<Item = &'a Lock>, (width, heigh
 /// Returns the first and the last frame of the range in which a target's answers can differ between the lists of locks
 /// `old` and `new`; `None` if the lists are equal.
 pub(super) fn differing(old: &[Lock], new: &[Lock]) -> Option<(usize, usize)> {
-    let same = old.iter().zip(new).take_while(|(old, new)| old == new).count();
+    let is_same = |(old, new): &(&Lock, &Lock)| (old.frame, old.bbox) == (new.frame, new.bbox);
+    let same = old.iter().zip(new).take_while(is_same).count();
     let (old, new) = (&old[same..], &new[same..]);
     let from = old.iter().chain(new).map(|lock| lock.frame).min()?;
-    let behind = old.iter().rev().zip(new.iter().rev()).take_while(|(old, new)| old == new).count();
+    let behind = old.iter().rev().zip(new.iter().rev()).take_while(is_same).count();
     Some((from, if behind == 0 { usize::MAX } else { new[new.len() - behind].frame - 1 }))
 }
 
@@ -93,7 +106,7 @@ mod tests {
 
     #[test]
     fn what_differs_between_two_lists_of_locks() {
-        let lock = |frame| Lock { frame, bbox: Some((1, 1, 9, 9)) };
+        let lock = |frame| Lock::new(frame, Some(Rect::new(1, 1, 9, 9)));
         let locks = |frames: &[usize]| frames.iter().map(|&frame| lock(frame)).collect::<Vec<_>>();
         for (old, new, part) in [
             (&[1, 9][..], &[1, 9][..], None),
@@ -106,6 +119,8 @@ mod tests {
             assert_eq!(differing(&locks(old), &locks(new)), part, "{old:?} {new:?}");
         }
         let mut moved = locks(&[1, 5, 9]);
+        moved[0].by_hand = true;
+        assert_eq!(differing(&locks(&[1, 5, 9]), &moved), None, "trackers do not know what is by hand");
         moved[1].bbox = None;
         assert_eq!(differing(&locks(&[1, 5, 9]), &moved), Some((5, 8)));
     }

@@ -1,4 +1,5 @@
-//! Videos and reports that the user orders on the page. A child process of host-sim writes each one.
+//! Videos, reports and recordings that the user orders on the page. A child process of host-sim writes each file, a
+//! thread each recording.
 
 use super::lock;
 use anyhow::{Context, Result, ensure};
@@ -31,14 +32,32 @@ pub(super) struct Progress {
     /// Fraction done, 0 to 1; `None` if unknown.
     done: Option<f64>,
     file: Option<String>,
+    /// Folder of a recording that is written, and a sentence about it.
+    folder: Option<(PathBuf, String)>,
     error: Option<String>,
     cancelled: bool,
-    /// The running process; `None` once it has ended.
+    #[serde(skip)]
+    is_running: bool,
+    /// The running process; `None` once it has ended, or if a thread writes.
     #[serde(skip)]
     process: Option<Arc<Process>>,
 }
 
+impl Progress {
+    const fn begun(id: u32, name: String) -> Self {
+        let (done, file, folder, error, process) = (None, None, None, None, None);
+        Self { id, name, done, file, folder, error, cancelled: false, is_running: true, process }
+    }
+}
+
 const MAX: usize = 2;
+
+/// Errors: Too many files are being made already.
+fn next_id(all: &BTreeMap<u32, Progress>) -> Result<u32> {
+    let running = all.values().filter(|one| one.is_running).count();
+    ensure!(running < MAX, "{running} files are being made already: wait until one is done");
+    Ok(all.last_key_value().map_or(1, |(last, _)| last + 1))
+}
 
 /// Files ordered on the page. They are removed when the program that serves the page ends.
 pub struct Made {
@@ -92,9 +111,7 @@ impl Made {
     ) -> Result<u32> {
         let Job { name, words, lines } = job;
         let mut all = self.progress();
-        let running = all.values().filter(|one| one.process.is_some()).count();
-        ensure!(running < MAX, "{running} files are being made already: wait until one is done");
-        let id = all.last_key_value().map_or(1, |(last, _)| last + 1);
+        let id = next_id(&all)?;
         // The program derives the format to write from the extension of `name`.
         fs::create_dir(self.folder_of(id)).context("cannot make a temporary folder")?;
         let place = self.folder.private(&format!("{id}/{name}"), &[])?;
@@ -102,15 +119,15 @@ impl Made {
         let mut command = Command::new(program);
         command.args(words).arg(&place).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let process = Arc::new(Process::start(&mut command).context("cannot start host-sim")?);
-        let (done, running) = ((lines > 0).then_some(0.0), Some(Arc::clone(&process)));
-        all.insert(id, Progress { id, name, done, file: None, error: None, cancelled: false, process: running });
+        let done = (lines > 0).then_some(0.0);
+        all.insert(id, Progress { done, process: Some(Arc::clone(&process)), ..Progress::begun(id, name) });
         drop(all);
         tell(id);
         let made = Arc::clone(self);
         thread::spawn(move || {
             let ended = made.watch(&process, id, lines, &tell);
             if let Some(progress) = made.progress().get_mut(&id) {
-                progress.process = None;
+                (progress.process, progress.is_running) = (None, false);
                 match ended {
                     _ if progress.cancelled => {}
                     Ok(notes) => {
@@ -129,14 +146,52 @@ impl Made {
         Ok(id)
     }
 
-    /// Ends the program that writes file `id`. Errors: No program is writing it.
+    /// Starts a thread that writes a recording. `write` returns its folder and a sentence about it; it is given a function
+    /// that takes the fraction done, and returns false if the recording is cancelled. `tell` as in [`Made::begin`].
+    pub(super) fn write(
+        self: &Arc<Self>,
+        name: String,
+        write: impl FnOnce(&dyn Fn(f64) -> bool) -> Result<(PathBuf, String)> + Send + 'static,
+        tell: impl Fn(u32) + Send + 'static,
+    ) -> Result<u32> {
+        let mut all = self.progress();
+        let id = next_id(&all)?;
+        all.insert(id, Progress { done: Some(0.0), ..Progress::begun(id, name) });
+        drop(all);
+        tell(id);
+        let made = Arc::clone(self);
+        thread::spawn(move || {
+            let step = |done: f64| {
+                let mut all = made.progress();
+                let Some(progress) = all.get_mut(&id) else { return false };
+                let (before, is_cancelled) = (progress.done.replace(done), progress.cancelled);
+                drop(all);
+                if before.is_none_or(|before| (before * 100.0).floor() < (done * 100.0).floor()) {
+                    tell(id);
+                }
+                !is_cancelled
+            };
+            let written = write(&step);
+            if let Some(progress) = made.progress().get_mut(&id) {
+                progress.is_running = false;
+                match written {
+                    _ if progress.cancelled => {}
+                    Ok(folder) => progress.folder = Some(folder),
+                    Err(error) => progress.error = Some(messages::of(&error)),
+                }
+            }
+            tell(id);
+        });
+        Ok(id)
+    }
+
+    /// Ends the program or the thread that writes file `id`. Errors: None is writing it.
     pub(super) fn cancel(&self, id: u32) -> Result<()> {
         let mut all = self.progress();
-        let running = all.get_mut(&id).and_then(|one| Some((one.process.clone()?, &mut one.cancelled)));
-        let (process, cancelled) =
-            running.with_context(|| format!("file {id} is not being made: expected one that is"))?;
-        *cancelled = true;
-        process.end();
+        let running = all.get_mut(&id).filter(|one| one.is_running);
+        let progress = running.with_context(|| format!("file {id} is not being made: expected one that is"))?;
+        progress.cancelled = true;
+        progress.process.iter().for_each(|process| process.end());
         Ok(())
     }
 

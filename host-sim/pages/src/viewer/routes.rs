@@ -6,9 +6,10 @@ use super::ordered_files::{Job, Made};
 use super::server::{Reply, Request, Server};
 use super::session::Session;
 use super::source::{Known, Source};
+use super::truth_recording::Recordings;
 use crate::export::boxes::{Format, rounded};
 use crate::{encode, front_end};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
@@ -16,6 +17,7 @@ use smr_evaluation::{MethodAnswer, Variant, name_of};
 use smr_files::messages::{self, choice_name};
 use smr_files::output::complain;
 use smr_recordings::{BoundingBox, FrameNumber, annotations};
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 use std::thread;
@@ -45,6 +47,8 @@ pub struct Viewer {
     /// Command-line arguments that name the source and its options.
     pub words: String,
     pub films: Vec<&'static str>,
+    /// Folder in which recordings with truth are written.
+    pub place: PathBuf,
     pub source: Arc<dyn Source>,
     pub followed: Arc<Followed>,
     pub made: Arc<Made>,
@@ -148,6 +152,12 @@ impl Viewer {
                 self.make(&ending)?
             }
             (true, "report", "") => self.make("html")?,
+            (true, "recording", "") => self.write_recording()?,
+            (true, "checked", "") => {
+                self.followed.checks(field(body, "target")?, field(body, "frames")?);
+                self.keep();
+                json_reply(&json!({}))
+            }
             (true, "cancel", "") => {
                 self.made.cancel(field(body, "id")?)?;
                 json_reply(&json!({}))
@@ -296,6 +306,27 @@ impl Viewer {
         Ok(Reply::new("image/png", bytes.context("this part lies outside the frame: expected one inside")?))
     }
 
+    /// Writes the parts of the recording in which the truth is known.
+    fn write_recording(&self) -> Result<Reply> {
+        ensure!(
+            self.source.live().is_none(),
+            "the frames of a camera are not kept: record it with ffmpeg, and view the file"
+        );
+        let frames = self.known().frames.context("the recording is still being counted: wait a moment")?;
+        let known = |(target, rows): (Target, Vec<_>)| {
+            let parts = target.known_parts(&rows, frames);
+            parts.into_iter().map(|part| (target.clone(), part)).collect::<Vec<_>>()
+        };
+        let parts: Vec<_> = self.followed.rows().into_iter().flat_map(known).collect();
+        ensure!(!parts.is_empty(), "nothing is checked yet: play the recording, and correct the box where it is wrong");
+        let name = format!("{} with truth", self.name);
+        let recordings = Recordings { name: plain(&self.name), method: self.followed.variant().kind.name(), parts };
+        let (place, source, followed) = (self.place.clone(), Arc::clone(&self.source), Arc::clone(&self.followed));
+        let write = move |progress: &dyn Fn(f64) -> bool| recordings.write(&place, source.as_ref(), progress);
+        let id = self.made.write(name, write, move |id| followed.tell(|log| log.log_progress(id)))?;
+        Ok(json_reply(&json!(self.made.of(id))))
+    }
+
     fn make(&self, ending: &str) -> Result<Reply> {
         let job = self.requests.made(self, ending)?;
         let [followed, told] = [(); 2].map(|()| Arc::clone(&self.followed));
@@ -303,6 +334,12 @@ impl Viewer {
         let id = self.made.begin(job, move |id| followed.tell(|log| log.log_progress(id)), say)?;
         Ok(json_reply(&json!(self.made.of(id))))
     }
+}
+
+/// Returns the name of a source as one that is valid on every system.
+pub fn plain(name: &str) -> String {
+    let plain = |letter: char| if letter.is_ascii_alphanumeric() || "-_".contains(letter) { letter } else { '_' };
+    name.trim_start_matches('-').chars().map(plain).take(80).collect()
 }
 
 fn json_reply(value: &Value) -> Reply {

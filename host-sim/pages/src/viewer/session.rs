@@ -255,6 +255,7 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
 mod tests {
     use super::*;
     use crate::viewer::model::Lock;
+    use smr_core::Rect;
 
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<_> =
@@ -268,8 +269,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.smr.json");
         let open = || Session::open(Some(file.clone()), "a").unwrap();
-        let locks = vec![Lock { frame: 3, bbox: Some((-1, 2, 3, 4)) }, Lock { frame: 9, bbox: None }];
-        let car = Target { id: 4, name: "car".to_owned(), locks };
+        let by_hand = Lock { by_hand: true, ..Lock::new(3, Some(Rect::new(-1, 2, 3, 4))) };
+        let (hidden, checked) = (vec![(5, 6)].into(), vec![(3, 8)].into());
+        let car = Target { id: 4, name: "car".to_owned(), locks: vec![by_hand, Lock::new(9, None)], hidden, checked };
         let (first, work) = open();
         assert_eq!((work, first.shows(7), names(folder.path()).len()), (None, None, 0));
         assert_eq!(first.keep(|work| work.targets = vec![car.clone()]), None);

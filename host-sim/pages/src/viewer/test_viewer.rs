@@ -3,6 +3,7 @@
 use super::answers::{AnsweredFrame, Followed};
 use super::model::{Lock, Target, TargetSpan};
 use super::source::{Known, LiveState, Source};
+use super::spans::Spans;
 use anyhow::{Result, anyhow};
 use smr_core::paper;
 use smr_evaluation::{Follower, MethodAnswer, MethodKind, Variant};
@@ -64,7 +65,8 @@ pub fn lock(frame: usize) -> Lock {
 }
 
 pub fn target(id: u32, frames: &[usize]) -> Target {
-    Target { id, name: id.to_string(), locks: frames.iter().map(|&frame| lock(frame)).collect() }
+    let locks = frames.iter().map(|&frame| lock(frame)).collect();
+    Target { id, name: id.to_string(), locks, hidden: Spans::default(), checked: Spans::default() }
 }
 
 pub fn variant(kind: MethodKind) -> Variant {

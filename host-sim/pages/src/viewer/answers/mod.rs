@@ -12,6 +12,7 @@ pub(super) use state::State;
 use super::lock;
 use super::model::{Target, TargetSpan, differing};
 use super::source::{Known, Source};
+use super::spans::Spans;
 use anyhow::{Result, ensure};
 use change_log::ChangeLog;
 use segment::Segment;
@@ -138,6 +139,12 @@ impl Followed {
             changed.into_iter().for_each(|part| state.renew_positions(part));
             Ok(state.log.targets)
         })
+    }
+
+    /// Records that the user has looked at a target in these frames. No page is told: answers stay the same.
+    pub(super) fn checks(&self, target: u32, frames: Spans) {
+        let mut state = self.state();
+        state.targets.iter_mut().filter(|one| one.id == target).for_each(|one| one.checked.add(frames.clone()));
     }
 
     pub(super) fn set_variant(&self, variant: Variant) {

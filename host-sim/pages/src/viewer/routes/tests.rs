@@ -3,6 +3,7 @@ use crate::viewer::Growing;
 use smr_core::robust;
 use smr_evaluation::MethodKind;
 use smr_recordings::{OpenOptions, synthetic};
+use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
@@ -38,6 +39,7 @@ fn viewer() -> Viewer {
         size: (120, 90),
         words: synthetic::NAME.to_owned(),
         films: vec!["mp4"],
+        place: PathBuf::new(),
         followed: Arc::new(Followed::new(variant(), Vec::new(), source.as_ref()).unwrap()),
         source,
         made: Arc::new(Made::new().unwrap()),
@@ -114,6 +116,8 @@ fn numbers_at_the_ends_of_every_type_are_refused_with_words() {
         ("targets", target(r#"{"frame":3,"box":[36,24,24,N]}"#)),
         ("targets", target(&format!(r#"{good},{{"frame":N,"box":null}}"#))),
         ("targets", target(good).replace("\"id\":1", "\"id\":N")),
+        ("targets", target(good).replace("\"locks\"", "\"checked\":[[N,9],[3,N]],\"hidden\":[[N,N]],\"locks\"")),
+        ("checked", r#"{"target":N,"frames":[[1,N]]}"#.to_owned()),
         ("place", r#"{"frame":N}"#.to_owned()),
         ("cancel", r#"{"id":N}"#.to_owned()),
         ("boxes", "frame,x,y,width,height,state\nN,1,2,3,4,\n".to_owned()),
@@ -139,6 +143,71 @@ fn numbers_at_the_ends_of_every_type_are_refused_with_words() {
     }
     assert_eq!(viewer.replied(false, &format!("frames/{}.jpg", synthetic::LENGTH), "").0, 200);
     assert_eq!(viewer.replied(true, "targets", &target(good)).0, 200, "it still runs");
+    viewer.followed.stop();
+    following.join().unwrap();
+}
+
+/// Looks at the target in all frames but two, and writes the parts that were looked at.
+#[test]
+fn what_was_looked_at_is_written_as_recordings_that_eval_takes() {
+    let folder = tempfile::tempdir().unwrap();
+    let viewer = Viewer { place: folder.path().to_owned(), ..viewer() };
+    let (followed, source) = (Arc::clone(&viewer.followed), Arc::clone(&viewer.source));
+    let following = thread::spawn(move || followed.run(source.as_ref()));
+    let post = |address: &str, body: &str| {
+        let (status, said) = viewer.replied(true, address, body);
+        assert_eq!(status, 200, "{said}");
+        said
+    };
+    let target = |more: &str| format!(r#"[{{"id":1,"name":"ship","locks":[{{"frame":1,"box":[36,24,24,28]}}{more}}}]"#);
+    post("targets", &target("]"));
+    let none = viewer.replied(true, "recording", "");
+    assert_eq!((none.0, none.1.starts_with("nothing is checked yet")), (400, true), "{}", none.1);
+    let by_hand =
+        r#",{"frame":30,"box":[60,40,24,28],"by_hand":true},{"frame":34,"box":[64,44,24,28]}],"hidden":[[20,24]]"#;
+    post("targets", &target(by_hand));
+    let all = synthetic::LENGTH;
+    while viewer.followed.reached(Some(all)).1.is_some() || viewer.followed.reached(Some(all)).0 < all {
+        thread::sleep(Duration::from_millis(5));
+    }
+    post("checked", r#"{"target":1,"frames":[[1,40]]}"#);
+    post("checked", &format!(r#"{{"target":1,"frames":[[43,{all}]]}}"#));
+    let write = || {
+        let id = serde_json::from_str::<Value>(&post("recording", "")).unwrap()["id"].as_u64().unwrap();
+        loop {
+            let made = serde_json::to_value(viewer.made.of(id.try_into().unwrap())).unwrap();
+            assert!(made["error"].is_null(), "{made}");
+            if made["folder"].is_array() {
+                return PathBuf::from(made["folder"][0].as_str().unwrap());
+            }
+            thread::sleep(Duration::from_millis(5));
+        }
+    };
+    let out = write();
+    assert_eq!(
+        (out.as_path(), write()),
+        (&*folder.path().join("synthetic-truth"), folder.path().join("synthetic-truth-2"))
+    );
+    let notes = fs::read_to_string(out.join("README.txt")).unwrap();
+    assert!(
+        notes.contains("\nship-1-40: ship in the frames 1 to 40 of synthetic, of them 3 by hand, 5 hidden or gone\n"),
+        "{notes}"
+    );
+    let first = smr_recordings::open(&out.join("ship-1-40"), &OpenOptions::default()).unwrap();
+    let truth = first.truth.unwrap();
+    assert_eq!((truth.len(), first.init), (40, truth[0]));
+    assert_eq!(truth[31], Some([62, 42, 24, 28].into()), "on the line");
+    assert!((1..=40).all(|frame| truth[frame - 1].is_none() == (20..=24).contains(&frame)));
+    assert!(first.frames.map(|frame| frame.unwrap().gray).eq(synthetic::frames().take(40)));
+    // The recordings of `eval FOLDER`.
+    let parts = smr_recordings::recordings(&[out]).unwrap();
+    let open = |path: &Path| smr_recordings::open(path, &OpenOptions::default());
+    let measured = smr_evaluation::measure(&parts, open, &[variant()], false, &|_| {});
+    assert_eq!(measured.failures.len(), 0, "{:?}", measured.failures);
+    let csv = measured.tables.unwrap().csv(smr_evaluation::TableName::Measured).unwrap();
+    let visible: Vec<_> =
+        csv.lines().skip(1).map(|line| line.split(',').skip(1).take(3).collect::<Vec<_>>().join(" ")).collect();
+    assert_eq!(visible.first().map(String::as_str), Some("ship-1-40 40 35"), "{csv}");
     viewer.followed.stop();
     following.join().unwrap();
 }
