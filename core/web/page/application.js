@@ -164,7 +164,8 @@ function listen() {
 }
 
 function useMethod() {
-  const { recording } = app;
+  const { edits, recording } = app;
+  edits.checked.clear();
   Object.assign(recording, chosenTracker(recording));
   trying(app.source.method(recording.method, recording.options));
   // Closes the element `firmware`, because it shows the former settings.
@@ -189,6 +190,7 @@ function prepare() {
   app.drag = dragOn(byId("stage"));
   app.viewport = new Viewport(byId("stage"), { size, changed: draw, pinched: () => app.drag.drop() });
   prepareDrawing({ visit, choose, rename, remove });
+  app.truth?.prepare();
 }
 
 // Resets the page for a recording or camera that the source has opened.
@@ -213,10 +215,13 @@ function opened(facts) {
   }
 }
 
-/** Runs the application on a source. `openers` maps ids of buttons or fields to actions that open another source. */
-export async function run(of, openers = {}) {
+/**
+ * Runs the application on a source. `openers` maps ids of buttons or fields to actions that open another source; `truth`
+ * is of truth.js, if the source saves what the user has checked.
+ */
+export async function run(of, openers = {}, truth = null) {
   try {
-    app.source = of;
+    [app.source, app.truth] = [of, truth];
     const facts = await app.source.open();
     prepare();
     listen();

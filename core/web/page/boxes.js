@@ -158,7 +158,7 @@ export async function changed() {
   underWay.add(ids);
   sent = targets;
   try {
-    await app.source.targets(targets, app.edits.ids);
+    await app.source.targets(targets, app.edits.ids, app.edits.checked);
     answers.keep(app.edits.targets.map(({ id }) => id));
   } catch (error) {
     app.edits.takeBack(targets);

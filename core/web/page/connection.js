@@ -81,9 +81,10 @@ export class Connection {
    * Sends the list of targets, after any list still being sent, and waits until its news are heard: then all answers are
    * of these targets. Throws host-sim's reason if the list is refused.
    */
-  async targets(targets) {
+  async targets(targets, ids, checked) {
+    const body = targets.map((target) => toldOf(target, checked.get(target.id)));
     const sent = this.#sending.then(async () => {
-      const answer = await told("targets", targets.map(toldOf), { "If-Match": `"${this.#revision}"` });
+      const answer = await told("targets", body, { "If-Match": `"${this.#revision}"` });
       const { revision } = await answer.json();
       this.#revision = revision;
       return revision;
@@ -93,6 +94,12 @@ export class Connection {
     if (position > this.#position) {
       await new Promise((resolve) => this.#waiting.push({ position, resolve }));
     }
+  }
+
+  /** Saves the ranges of frames in which the user has looked at a target. */
+  async checked(target, frames) {
+    await this.#sending;
+    await told("checked", { target, frames });
   }
 
   async method(method, options) {

@@ -80,6 +80,7 @@ function drawFrame() {
     }
   };
   drawStage(byId("stage"), { image, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed: app.proposed, color });
+  app.truth?.look();
 }
 
 function drawn(target) {
@@ -121,7 +122,7 @@ function drawTrail(context, number, { boxAt, placed, color }) {
 const centre = ([x, y, width, height]) => [x + width / 2, y + height / 2];
 
 // Returns the events of a target. They are cached for a while, because computing those of an hour of frames is slow.
-function events(target) {
+export function events(target) {
   const { id, locks } = target;
   const version = answers.version(id);
   const known = happened.get(id);
@@ -152,11 +153,13 @@ function drawReadings() {
     first, last, frame: shown ?? first, followed, timeOf,
     strips: edits.targets.map((target) => ({ name: nameOf(target), color: target.color, isChosen: target === chosen, states: (number) => answers.state(target.id, number) })),
     marks: chosen === null ? [] : events(chosen),
+    truth: chosen && app.truth?.marks(chosen),
   });
   preview.draw({ ...hovered, image: playback.imageOf(hovered.number), size: recording, timeOf });
   drawEvents(byId("events"), allEvents(), { timeOf, goTo: act.visit, chosen: shown });
   drawChosen(chosen);
   drawControls(chosen);
+  app.truth?.draw(chosen);
   drawLimits(byId("files"), edits.targets.length);
   drawCommands(byId("commands"), kind === "live" ? { track: "" } : { view: "", track: "", report: "-o report.html" }, recording, edits.targets);
 }
@@ -199,6 +202,8 @@ function drawControls(chosen) {
   const lost = chosen === null ? undefined : events(chosen).find((event) => event.kind === "lost" && event.frame <= shown && shown <= event.until);
   write(byId("lost"), lost === undefined ? "" : `Lost since ${placeOf(lost.frame, timeOf)}. Drag a box over it to lock again.`);
   byId("lost").hidden = lost === undefined;
+  write(byId("hint"), hint(chosen));
+  byId("hint").hidden = byId("hint").textContent === "";
   write(byId("load"), load());
   write(byId("about"), about());
   byId("stage").setAttribute("aria-label", `Frame ${shown}, ${said(chosen)}`);
@@ -241,13 +246,19 @@ function about() {
 }
 
 function load() {
-  const { edits } = app;
   const { progress, live } = app.news;
   const dropped = live && `${droppedOf(live)}. The picture is ${Math.round(live.latency_ms)} ms old.`;
   const pace = progress?.rate >= 1 ? `, ${Math.round(progress.rate)} frames a second` : "";
   const following = !live && progress && `Following: frame ${progress.frame}${pace}.`;
-  const hint = edits.targets.length === 0 ? "Drag a box over what is to be followed." : edits.chosen === null ? "Drag a box over the new target." : "";
-  return [dropped, following, hint].filter(Boolean).join(" ");
+  return [dropped, following].filter(Boolean).join(" ");
+}
+
+// Returns the sentence that stands in the picture: what to do next.
+function hint(chosen) {
+  if (chosen === null) {
+    return app.edits.targets.length === 0 ? "Drag a box over what is to be followed." : "Drag a box over the new target.";
+  }
+  return app.truth?.hint ?? "";
 }
 
 function droppedOf({ dropped }) {

@@ -1,6 +1,7 @@
 // The targets as edited by the user: their names, and the boxes that they are locked on. Each change can be undone.
 
 import { colorOf } from "./colors.js";
+import { minus, plus, rangeOf } from "./ranges.js";
 
 const MAX_UNDONE = 500;
 const MAX_UNDER_WAY = 50; // changes that host-sim may still refuse
@@ -15,24 +16,42 @@ export const lockIn = (target, number) => target?.locks.find((lock) => lock.numb
 
 export const isGone = (target, number) => target?.locks.findLast((lock) => lock.number <= number)?.box === null;
 
-/** Converts a target from host-sim's form: { id, name, locks: [{ frame, box: [x, y, width, height] or null }] }. */
-export function targetOf({ id, name, locks }) {
-  const boxOf = (box) => box && { x: box[0], y: box[1], width: box[2], height: box[3] };
-  return { id, name, locks: locks.map(({ frame, box }) => ({ number: frame, box: boxOf(box) })) };
+/** Returns the box on the line between two boxes by hand; undefined if a tracker finds the target in this frame. */
+export function lineIn(target, number) {
+  const at = target.locks.findLastIndex((lock) => lock.number <= number);
+  const [from, to] = [target.locks[at], target.locks[at + 1]];
+  if (!from?.byHand) {
+    return undefined;
+  }
+  const part = (number - from.number) / (to.number - from.number);
+  return Object.fromEntries(Object.keys(from.box).map((side) => [side, from.box[side] + (to.box[side] - from.box[side]) * part]));
 }
 
-/** Converts a target to host-sim's form. */
-export function toldOf(target) {
-  const { id, locks } = target;
-  return { id, name: nameOf(target), locks: locks.map(({ number, box }) => ({ frame: number, box: box && [box.x, box.y, box.width, box.height] })) };
+/**
+ * Converts a target from host-sim's form: { id, name, locks: [{ frame, box: [x, y, width, height] or null, by_hand }],
+ * hidden, checked }.
+ */
+export function targetOf({ id, name, locks, hidden, checked }) {
+  const boxOf = (box) => box && { x: box[0], y: box[1], width: box[2], height: box[3] };
+  return { id, name, hidden, checked, locks: locks.map(({ frame, box, by_hand: byHand }) => lockOf(frame, boxOf(box), byHand)) };
+}
+
+/** Converts a target, and the frames in which it was looked at, to host-sim's form. */
+export function toldOf(target, checked = []) {
+  const { id, locks, hidden } = target;
+  const told = ({ number, box, byHand }) => ({ frame: number, box: box && [box.x, box.y, box.width, box.height], by_hand: byHand ?? false });
+  return { id, name: nameOf(target), locks: locks.map(told), hidden, checked };
 }
 
 export class Edits {
   /**
-   * All targets: { id, name, color, locks: [{ number, box }] }, locks by ascending frame number. A null box means that
-   * the target is gone until its next box. The objects are replaced, never changed.
+   * All targets: { id, name, color, locks: [{ number, box, byHand }], hidden }, locks by ascending frame number. A null
+   * box means that the target is gone until its next box; `byHand`, that it goes to its next box on a line. `hidden` are
+   * ranges, see ranges.js, in which something covers the target. The objects are replaced, never changed.
    */
   targets = [];
+  /** Ranges of frames in which the user has looked at the present boxes, by the id of a target. */
+  checked = new Map();
   /** The largest id that was ever given. It never goes back, so that no id is given twice. */
   ids = 0;
   #chosen = null; // an id; null: the next box is a new target
@@ -64,7 +83,8 @@ export class Edits {
   load(targets, ids = 0) {
     [this.#past, this.#future, this.#steps] = [[], [], []];
     const isAdding = this.targets.length > 0 && this.#chosen === null;
-    this.targets = targets.map((target) => ({ ...target, name: isPlain(target) ? "" : target.name, color: colorOf(target.id) }));
+    this.targets = targets.map(({ checked, ...target }) => ({ hidden: [], ...defined(target), locks: inOrder(target.locks), name: isPlain(target) ? "" : target.name, color: colorOf(target.id) }));
+    this.checked = new Map(targets.map(({ id, checked }) => [id, checked ?? []]));
     for (let twice = this.#namedTwice(); twice !== undefined; twice = this.#namedTwice()) {
       twice.name = "";
     }
@@ -74,10 +94,26 @@ export class Edits {
 
   /** Locks a target on `box` in a frame, replacing the target's lock there. If `target` is null, adds a new target. */
   lock(number, box, target = this.chosen) {
-    const { id, name, color, locks } = target ?? this.#made();
+    const { locks, hidden, ...rest } = target ?? this.#made();
     const others = locks.filter((lock) => lock.number !== number);
-    const locked = { id, name, color, locks: inOrder([...others, { number, box }]) };
-    this.#replace(target === null ? [...this.targets, locked] : this.targets.map((one) => (one.id === id ? locked : one)), id);
+    const isOnLine = box !== null && locks.findLast((lock) => lock.number <= number)?.byHand;
+    const [, until] = (box && rangeOf(hidden, number)) ?? [];
+    const locked = { ...rest, locks: inOrder([...others, lockOf(number, box, isOnLine)]), hidden: until === undefined ? hidden : minus(hidden, number, until) };
+    target === null ? this.#replace([...this.targets, locked], locked.id) : this.#renew(locked, locked.id);
+  }
+
+  /** Sets whether the target goes from its box in a frame to the next on a line. */
+  setByHand(target, number, isByHand) {
+    this.#renew({ ...target, locks: inOrder(target.locks.map((lock) => (lock.number === number ? lockOf(number, lock.box, isByHand) : lock))) });
+  }
+
+  setHidden(target, hidden) {
+    this.#renew({ ...target, hidden });
+  }
+
+  /** Notes that the user has looked at a target in these frames. This is no change that is undone. */
+  check({ id }, from, to) {
+    this.checked.set(id, plus(this.checked.get(id) ?? [], from, to));
   }
 
   /** Marks a target as absent, starting at frame `number` and until its next box. */
@@ -88,15 +124,15 @@ export class Edits {
   /** Removes a target's lock in a frame; if it was the only lock, removes the target. */
   unlock(target, number) {
     const locks = inOrder(target.locks.filter((lock) => lock.number !== number));
-    locks.length === 0 ? this.remove(target) : this.#replace(this.targets.map((one) => (one.id === target.id ? { ...one, locks } : one)));
+    locks.length === 0 ? this.remove(target) : this.#renew({ ...target, locks });
   }
 
   add(targets) {
     const before = this.targets;
-    for (const { name, locks } of targets) {
+    for (const { name, locks, hidden = [] } of targets) {
       const made = this.#made();
       // Each name is checked against those that are added before it.
-      this.targets = [...this.targets, { ...made, name: this.#freeName(name), locks: inOrder(locks) }];
+      this.targets = [...this.targets, { ...made, name: this.#freeName(name), locks: inOrder(locks), hidden }];
     }
     const after = this.targets;
     this.targets = before;
@@ -114,7 +150,7 @@ export class Edits {
     if (this.targets.some((one) => one.id !== id && nameOf(one) === nameOf({ id, name }))) {
       return `Another target is called ${nameOf({ id, name })}: give this one another name.`;
     }
-    this.#replace(this.targets.map((one) => (one.id === id ? { ...one, name } : one)));
+    this.#renew({ ...this.targets.find((one) => one.id === id), name });
     return null;
   }
 
@@ -150,6 +186,7 @@ export class Edits {
   // Sets the targets, the chosen one and the history, and stores the former state for `takeBack`.
   #change({ targets, chosen }, past, future) {
     const before = { ...this.#now, past: this.#past, future: this.#future };
+    targets.forEach((target) => this.#uncheck(target));
     [this.targets, this.#chosen, this.#past, this.#future] = [targets, chosen, past.slice(-MAX_UNDONE), future];
     this.#steps = [...this.#steps, { after: targets, before }].slice(-MAX_UNDER_WAY);
   }
@@ -158,7 +195,16 @@ export class Edits {
     do {
       this.ids += 1;
     } while (this.targets.some((one) => nameOf(one) === `target${this.ids}`));
-    return { id: this.ids, name: "", color: colorOf(this.ids), locks: [] };
+    return { id: this.ids, name: "", color: colorOf(this.ids), locks: [], hidden: [] };
+  }
+
+  // The frames in which a target may have other boxes than before must be looked at again.
+  #uncheck({ id, locks }) {
+    const before = this.targets.find((one) => one.id === id)?.locks;
+    const [from, to] = before === undefined || before === locks ? [] : differing(before, locks);
+    if (from !== undefined) {
+      this.checked.set(id, minus(this.checked.get(id) ?? [], from, to));
+    }
   }
 
   // Returns the name, or an empty text if an existing target has this name.
@@ -171,6 +217,10 @@ export class Edits {
     return this.targets.find((one) => one.name !== "" && this.targets.some((other) => other !== one && nameOf(other) === nameOf(one)));
   }
 
+  #renew(target, chosen = this.#chosen) {
+    this.#replace(this.targets.map((one) => (one.id === target.id ? target : one)), chosen);
+  }
+
   #replace(targets, chosen = this.#chosen) {
     this.#change({ targets, chosen }, [...this.#past, this.#now], []);
   }
@@ -179,8 +229,32 @@ export class Edits {
 // True if a target has the name that host-sim and this page give to one without a name.
 const isPlain = ({ id, name }) => ["target", `target${id}`].includes(name);
 
-// Sorts locks by frame, and drops each mark "gone" that follows another one or precedes the first box.
+const lockOf = (number, box, byHand) => (byHand ? { number, box, byHand } : { number, box });
+
+const defined = (object) => Object.fromEntries(Object.entries(object).filter(([, value]) => value !== undefined));
+
+// Sorts locks by frame, and drops each mark "gone" that follows another one or precedes the first box, and each line
+// that leads to no box.
 function inOrder(locks) {
   const sorted = [...locks].sort((one, other) => one.number - other.number);
-  return sorted.filter(({ box }, at) => box !== null || (at > 0 && sorted[at - 1].box !== null));
+  const kept = sorted.filter(({ box }, at) => box !== null || (at > 0 && sorted[at - 1].box !== null));
+  return kept.map((lock, at) => (lock.byHand && !(lock.box && kept[at + 1]?.box) ? lockOf(lock.number, lock.box) : lock));
+}
+
+// Returns the first and the last frame between which boxes can differ; an empty list if none does.
+function differing(old, locks) {
+  const isSame = (one, other) => one !== undefined && other !== undefined && one.number === other.number && one.byHand === other.byHand && JSON.stringify(one.box) === JSON.stringify(other.box);
+  const same = locks.findIndex((lock, at) => !isSame(lock, old[at]));
+  const first = same < 0 ? locks.length : same;
+  if (first === locks.length && first === old.length) {
+    return [];
+  }
+  let behind = 0;
+  while (behind < Math.min(old.length, locks.length) - first && isSame(old.at(-1 - behind), locks.at(-1 - behind))) {
+    behind += 1;
+  }
+  const last = behind === 0 ? Infinity : locks.at(-behind).number - 1;
+  // A line that ends at the first lock that differs begins at the lock before it.
+  const isLine = [old, locks].some((all) => all[first - 1]?.byHand);
+  return [isLine ? locks[first - 1].number + 1 : Math.min(...[old, locks].flatMap((all) => all[first]?.number ?? [])), last];
 }

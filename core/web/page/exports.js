@@ -1,5 +1,6 @@
 // The menu of files that the user can save, and the list of files that are being written.
 
+import { quoted } from "./command.js";
 import { byId, htmlNode } from "./dom.js";
 
 const FORMATS = { csv: "CSV", json: "JSON", tld: "TLD", vot: "VOT", otb: "OTB", got10k: "GOT-10k", mot: "MOT", coco: "COCO", cvat: "CVAT XML", record: "Flight record" };
@@ -9,13 +10,20 @@ const NO_BOX = "draw a box first";
 /**
  * Fills the menu. `formats` are the formats of boxes { name, several }, with `several` true if a file can store several
  * targets; `films` are the file extensions of videos. `take(name)` saves boxes in a format. `make(what, options)`
- * starts to write a video or report; `make` is undefined if neither can be written.
+ * starts to write a video, report or recording; `make` is undefined if none can be written.
  */
 export function drawMenu(place, { formats, films }, { take, make }) {
-  const boxes = formats.map(({ name, several }) => button(FORMATS[name] ?? name, { "data-several": several }, () => take(name)));
-  const made = make === undefined ? [] : [...films.map((as) => button(`Video (.${as})`, {}, () => make("film", { as }))), button("Report (.html)", {}, () => make("report", {}))];
-  const groups = [["Boxes", boxes], ["With pictures", made]].filter(([, nodes]) => nodes.length > 0);
-  place.replaceChildren(...groups.map(([title, nodes]) => htmlNode("div", { class: "controls", role: "group", "aria-label": title }, htmlNode("b", {}, title), ...nodes)));
+  const boxes = ({ name, several }) => button(FORMATS[name] ?? name, { "data-several": several }, () => take(name));
+  const [csv, ...others] = [...formats].sort((one, other) => (other.name === "csv") - (one.name === "csv")).map(boxes);
+  const made = make === undefined ? [] : films.map((as) => button(`Video (.${as})`, {}, () => make("film", { as })));
+  const lines = [
+    ["To watch and to show: the boxes drawn in", made],
+    ["For a spreadsheet, R or Python: a line for each frame", [csv]],
+    ["With curves and events, to send", make === undefined ? [] : [button("Report (.html)", {}, () => make("report", {}))]],
+    ["What you have checked, as truth: a folder for host-sim eval", make === undefined ? [] : [button("Recording with truth", { id: "recording" }, () => make("recording", {}))]],
+    ["The boxes, for other programs", others],
+  ];
+  place.replaceChildren(...lines.filter(([, nodes]) => nodes.length > 0).map(([title, nodes]) => htmlNode("div", { class: "controls", role: "group", "aria-label": title }, ...nodes, htmlNode("small", {}, title))));
 }
 
 /** Disables the formats that cannot store `count` targets, and shows the reason. */
@@ -30,9 +38,11 @@ export function drawLimits(place, count) {
 }
 
 /** Shows the progress of a file, or the link to it, in a line of the list. `cancel(id)` stops writing it. */
-export function drawMade(place, { id, name, done, file, error, cancelled }, cancel) {
+export function drawMade(place, { id, name, done, file, folder, error, cancelled }, cancel) {
   const line = byId(`made${id}`) ?? newLine(place, `made${id}`);
-  if (file) {
+  if (folder) {
+    line.replaceChildren(`${folder[1]}. To measure trackers: `, htmlNode("code", {}, `host-sim eval ${quoted(folder[0])}`));
+  } else if (file) {
     line.replaceChildren("Ready: ", htmlNode("a", { href: `made/${id}`, download: file }, file));
   } else if (error || cancelled) {
     line.replaceChildren(cancelled ? `${name} was cancelled.` : `${name}: ${error}`);

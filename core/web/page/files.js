@@ -25,6 +25,7 @@ export async function take(format) {
 }
 
 export async function make(what, options) {
+  await app.truth?.send();
   const made = await trying(app.source.make(what, options));
   if (made !== "" && !byId(`made${made.id}`)) {
     drawMade(byId("made"), made, cancel);

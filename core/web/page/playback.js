@@ -7,6 +7,8 @@ const AHEAD = 12; // images that are loaded before they are played
 const USUAL_RATE = 25; // frames a second, where the source does not say
 const ADDRESS_MS = 400; // browsers refuse an address that changes more often
 const LEAP = 10; // frames
+/** The most frames by which playing goes on between two pictures on the screen; a slow machine plays more slowly. */
+export const MAX_STEP = 4;
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 
@@ -186,7 +188,7 @@ export class Playback {
     requestAnimationFrame((later) => this.#tick(later));
     const isDue = () => now >= this.#playing.since + (1000 * this.#duration(this.#playing.frame, this.frame + 1)) / this.#page.speed();
     const isHeld = this.#page.isHeld();
-    while (!isHeld && this.frame < this.last && isDue() && this.imageOf(this.frame + 1) !== undefined && !this.isWaiting) {
+    for (let step = 0; step < MAX_STEP && !isHeld && this.frame < this.last && isDue() && this.imageOf(this.frame + 1) !== undefined && !this.isWaiting; step++) {
       this.goTo(this.frame + 1);
     }
     if (isHeld || (this.frame < this.last && isDue())) {

@@ -3,7 +3,7 @@
 
 import { Answers } from "./answers.js";
 import { byId } from "./dom.js";
-import { Edits, isGone, lockIn } from "./edits.js";
+import { Edits, isGone, lineIn, lockIn } from "./edits.js";
 import { Messages } from "./messages.js";
 
 export const answers = new Answers();
@@ -23,6 +23,7 @@ export const app = {
   playback: null,
   viewport: null,
   drag: null,
+  truth: null, // see truth.js; null where it cannot be saved
 };
 
 /** Resets the state for a recording or camera with these facts. */
@@ -80,11 +81,12 @@ export const isThere = () => app.kind === "live" || app.playback.isPlaying || !a
 // Lists where the answers of a target end early: [id, frame of its lock, first frame without an answer].
 export const silent = () => app.news.silent ?? [];
 
-// Returns the box of a target in the shown frame: the user's, else the tracker's.
+// Returns the box of a target in the shown frame: the user's, else that on the user's line, else the tracker's.
 export const boxOf = (target) => boxIn(target, app.playback.shown);
 
 export function boxIn(target, number) {
   const answer = target && answers.at(target.id, number);
-  const box = target && (lockIn(target, number)?.box ?? answer?.box);
-  return box && !isGone(target, number) ? { box, state: answer?.state ?? "tracking" } : null;
+  const own = target && (lockIn(target, number)?.box ?? lineIn(target, number));
+  const box = own ?? answer?.box;
+  return box && !isGone(target, number) ? { box, state: (own ? null : answer?.state) ?? "tracking" } : null;
 }

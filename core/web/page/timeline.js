@@ -88,8 +88,8 @@ export class Timeline {
 
   /**
    * Draws the slider from the `first` to the `last` frame with the head at `frame`. `followed` is the last tracked
-   * frame or null. Each target has a strip { color, isChosen, states(frame) }. `marks` are events, see events.js.
-   * `timeOf(frame)` is in seconds.
+   * frame or null. Each target has a strip { color, isChosen, states(frame) }. `marks` are events, see events.js, and
+   * `truth` the ranges { known, hidden, lines } of the chosen target, if it is given. `timeOf(frame)` is in seconds.
    */
   draw(shown) {
     this.#shown = shown;
@@ -193,13 +193,16 @@ export class Timeline {
     context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
     context.clearRect(0, 0, width, height);
     this.#look(Math.round(width - 2 * EDGE));
+    const { first, last, followed, marks, frame, truth } = this.#shown;
+    const x = (place) => EDGE + ((width - 2 * EDGE) * (place - first)) / (last - first + 1);
     let top = MARKS;
     this.#shown.strips.forEach(({ color, isChosen }, at) => {
       drawStrip(context, this.#columns[at].states, { top, wide: stripHeight(isChosen), width, color });
+      if (isChosen && truth) {
+        drawTruth(context, truth, x, top);
+      }
       top += stripHeight(isChosen) + GAP;
     });
-    const { first, last, followed, marks, frame } = this.#shown;
-    const x = (place) => EDGE + ((width - 2 * EDGE) * (place - first)) / (last - first + 1);
     drawFollowed(context, top + 1, width, followed === null ? EDGE : x(followed + 1));
     marks.forEach((mark) => drawMark(context, x(mark.frame + 0.5), mark.kind));
     drawHead(context, x((this.#wanted ?? frame) + 0.5), height);
@@ -243,6 +246,19 @@ function drawStrip(context, states, { top, wide, width, color }) {
       from = to;
     }
   }
+}
+
+// Draws a line through the dots of boxes with a line between them, frames in which the target is hidden, and, along the
+// lower edge of the strip, the frames that are checked.
+function drawTruth(context, { known, hidden, lines }, x, top) {
+  const { ink, panel } = palette();
+  const draw = (ranges, color, from, high) => {
+    context.fillStyle = color;
+    ranges.forEach(([begin, end]) => context.fillRect(x(begin), from, x(end + 1) - x(begin), high));
+  };
+  draw(lines, ink, MARKS / 2 - 1, 2);
+  draw(hidden, panel, top + 2, CHOSEN - 7);
+  draw(known, ink, top + CHOSEN - 3, 3);
 }
 
 function drawFollowed(context, top, width, end) {

@@ -2,5 +2,6 @@
 
 import { run } from "./application.js";
 import { Connection } from "./connection.js";
+import { Truth } from "./truth.js";
 
-run(new Connection());
+run(new Connection(), {}, new Truth());

@@ -5,10 +5,11 @@ import { test } from "node:test";
 import { Answers } from "../page/answers.js";
 import { gripOf } from "../page/drag.js";
 import { Connection } from "../page/connection.js";
-import { Edits, lockIn, nameOf, plainName } from "../page/edits.js";
+import { Edits, lineIn, lockIn, nameOf, plainName, targetOf, toldOf } from "../page/edits.js";
 import { ENDED, Messages } from "../page/messages.js";
 import { doubtOf } from "../page/question.js";
 import { Images } from "../page/image-cache.js";
+import { lengthOf, minus, plus, rangeOf } from "../page/ranges.js";
 import { random } from "./library.mjs";
 
 const BOX = { x: 1, y: 2, width: 30, height: 40 };
@@ -49,6 +50,87 @@ test("the last box of a target takes the target with it, and its number is not u
   edits.choose(null);
   edits.lock(3, BOX);
   assert.equal(edits.chosen.id, 3);
+});
+
+const LATER = { ...BOX, x: 11, width: 50 };
+
+test("boxes between two by hand lie on a line, which a box on it bends, and which ends where there is no next box", () => {
+  const edits = new Edits();
+  edits.lock(10, BOX);
+  edits.lock(20, LATER);
+  const lines = () => edits.chosen.locks.filter(({ byHand }) => byHand).map(({ number }) => number);
+  edits.setByHand(edits.chosen, 10, true);
+  assert.deepEqual([lines(), [10, 15, 20, 9, 21].map((number) => lineIn(edits.chosen, number)?.x)], [[10], [1, 6, undefined, undefined, undefined]]);
+  assert.deepEqual(lineIn(edits.chosen, 13), { x: 4, y: 2, width: 36, height: 40 });
+  edits.lock(14, MOVED);
+  assert.deepEqual([lines(), lineIn(edits.chosen, 12).x, lineIn(edits.chosen, 17).x], [[10, 14], 3, 8]);
+  edits.unlock(edits.chosen, 20);
+  assert.deepEqual(lines(), [10], "no box follows the one in frame 14");
+  edits.lose(edits.chosen, 12);
+  assert.deepEqual(lines(), [], "no line leads to where the target is gone");
+  edits.undo();
+  edits.undo();
+  assert.deepEqual(lines(), [10, 14]);
+  assert.deepEqual(targetOf(toldOf(edits.chosen, [[1, 3]])), { ...targetOf(toldOf(edits.chosen)), checked: [[1, 3]] });
+  assert.deepEqual(targetOf(toldOf(edits.chosen)).locks, edits.chosen.locks);
+});
+
+test("a box ends the range in which the target was hidden", () => {
+  const edits = new Edits();
+  edits.lock(1, BOX);
+  edits.setHidden(edits.chosen, [[5, 9], [20, 30]]);
+  edits.lock(22, BOX);
+  assert.deepEqual(edits.chosen.hidden, [[5, 9], [20, 21]]);
+  edits.undo();
+  assert.deepEqual(edits.chosen.hidden, [[5, 9], [20, 30]]);
+});
+
+// Describes what gives a target's box in a frame: the line, or the tracker's last lock.
+const sourceOf = (target, number) => JSON.stringify(lineIn(target, number) ?? target.locks.findLast((lock) => lock.number <= number)?.box);
+
+test("whatever is changed, undone or done again: frames that may have another box are no longer checked, all others are", () => {
+  for (let seed = 1; seed <= 300; seed++) {
+    const [edits, numbers] = [new Edits(), random(seed)];
+    const box = () => ({ x: numbers.below(99), y: numbers.below(99), width: 1 + numbers.below(50), height: 1 + numbers.below(50) });
+    edits.lock(10, box());
+    for (let step = 0; step < 30 && edits.chosen !== null; step++) {
+      const before = edits.chosen;
+      edits.check(before, 1, 20);
+      const number = 1 + numbers.below(20);
+      [
+        () => edits.lock(number, box()), () => number > before.locks[0].number && edits.lose(before, number), () => edits.unlock(before, number), () => edits.setByHand(before, numbers.of(before.locks).number, true),
+        () => edits.undo(), () => edits.redo(), () => edits.setHidden(before, [[number, number]]),
+      ][numbers.below(7)]();
+      const after = edits.targets.find(({ id }) => id === before.id);
+      for (let frame = 1; after !== undefined && frame <= 20; frame++) {
+        if (sourceOf(before, frame) !== sourceOf(after, frame)) {
+          assert.equal(rangeOf(edits.checked.get(before.id), frame), undefined, `seed ${seed}, step ${step}, frame ${frame}`);
+        }
+      }
+      const isChanged = after !== undefined && after.locks !== before.locks;
+      assert.ok(isChanged || lengthOf(edits.checked.get(before.id)) === 20);
+    }
+  }
+});
+
+test("ranges of frames are added and taken away", () => {
+  for (let seed = 1; seed <= 100; seed++) {
+    const numbers = random(seed);
+    let [ranges, model] = [[], new Set()];
+    for (let step = 0; step < 40; step++) {
+      const from = 1 + numbers.below(30);
+      const to = from + numbers.below(6);
+      const isAdded = numbers.below(2) === 1;
+      ranges = (isAdded ? plus : minus)(ranges, from, to);
+      for (let number = from; number <= to; number++) {
+        isAdded ? model.add(number) : model.delete(number);
+      }
+      const has = Array.from({ length: 40 }, (_, number) => rangeOf(ranges, number) !== undefined);
+      assert.deepEqual(has, has.map((_, number) => model.has(number)));
+      assert.ok(ranges.every(([begin, end], at) => begin <= end && (at === 0 || ranges[at - 1][1] + 1 < begin)), JSON.stringify(ranges));
+      assert.equal(lengthOf(ranges), model.size);
+    }
+  }
 });
 
 test("a box drawn after a redo, a rename and an undo is of a target of its own", () => {

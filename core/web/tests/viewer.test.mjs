@@ -204,7 +204,7 @@ onViewer("while a target is added, every drag draws it, also one that begins in 
   await dragBox(page, BOX);
   await commands(page, /--init 36,24,24,28 --method/);
   await page.click("#add");
-  await says(page, "load", /Drag a box over the new target/);
+  await says(page, "hint", /Drag a box over the new target/);
   await dragBox(page, [40, 30, 30, 30]);
   await commands(page, /--init target1=36,24,24,28 --init target2=40,30,30,30 --method/);
   await page.drag(await place(page, 45, 35), await place(page, 50, 36));

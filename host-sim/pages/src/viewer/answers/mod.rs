@@ -150,6 +150,10 @@ impl Followed {
     pub(super) fn set_variant(&self, variant: Variant) {
         self.change(|state| {
             let origin = variant.origin();
+            if origin != state.variant.origin() {
+                // Nobody has looked at the boxes that are still to come.
+                state.targets.iter_mut().for_each(|target| target.checked = Spans::default());
+            }
             state.settings_index =
                 state.settings_used.iter().position(|one| *one == origin).unwrap_or(state.settings_used.len());
             if state.settings_index == state.settings_used.len() {
