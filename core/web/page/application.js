@@ -61,7 +61,7 @@ function heard(told) {
   if (told.targets !== undefined) {
     app.edits.load(told.targets, told.ids);
     answers.keep(app.edits.targets.map(({ id }) => id));
-    if (app.asked !== null && targetOf(app.asked.id) === null) {
+    if (app.asked?.id && targetOf(app.asked.id) === null) {
       app.drag.drop();
     }
   }

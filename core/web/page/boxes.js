@@ -4,7 +4,7 @@ import { byId } from "./dom.js";
 import { Drag, gripOf, inside } from "./drag.js";
 import { draw } from "./drawing.js";
 import { isGone, lockIn, nameOf } from "./edits.js";
-import { doubtOf } from "./question.js";
+import { doubtOf, slipOf } from "./question.js";
 import { answers, app, boxOf, complain, isThere, say, silent, size, targetOf, whole, write } from "./state.js";
 
 let sent = []; // the targets that were sent last
@@ -59,9 +59,9 @@ function lock(box, grip) {
   }
   const held = grip ?? asked?.grip ?? null;
   const target = held === null ? edits.chosen : targetOf(held.id);
-  const doubt = target && doubtOf(box, { name: nameOf(target), isPulled: held !== null, ...formerOf(target, held) });
+  const doubt = target === null ? slipOf(box) : doubtOf(box, { name: nameOf(target), isPulled: held !== null, ...formerOf(target, held) });
   if (doubt) {
-    ask({ box, grip: held, id: target.id, first: held === null ? "fresh" : "correct" }, doubt);
+    ask({ box, grip: held, id: target?.id ?? null, first: held === null ? "fresh" : "correct" }, doubt);
     return false;
   }
   lockOn(box, target, held !== null);
@@ -95,7 +95,8 @@ function ask(what, words = "") {
   byId("asked").hidden = what === null;
   byId("asked").firstElementChild.textContent = words;
   if (what !== null) {
-    write(byId("correct"), `Correct ${nameOf(targetOf(what.id))}`);
+    byId("correct").hidden = what.id === null;
+    write(byId("correct"), what.id === null ? "" : `Correct ${nameOf(targetOf(what.id))}`);
     byId("asked").insertBefore(byId(what.first), byId("asked").querySelector("button"));
   }
 }

@@ -40,7 +40,7 @@ function inScript(script) {
 // Returns the body of host-sim's viewer.html, with the stand-alone page's own heading and text.
 function application() {
   const [, body] = /<body>\n([^]*)\{\{scripts\}\}/.exec(text("viewer.html"));
-  const own = { '<h1 id="name"></h1>': text("lead.html"), "</main>": `${text("end.html").replace("{{words}}", () => text("words.html"))}</main>` };
+  const own = { '<h1 id="name"></h1>': text("lead.html"), "{{words}}": text("words.html") };
   return Object.entries(own).reduce((page, [from, to]) => {
     if (!page.includes(from)) {
       throw new Error(`viewer.html has no ${from}`);

@@ -18,6 +18,7 @@ const READINGS_MS = 80;
 const EVENTS_MS = 400;
 const LOADING_MS = 200; // a shorter wait is not worth a word
 const NEW_COLOR = "#fff";
+const CURVE = 48; // height of a chart in pixels: all stand beside the picture
 const TRAIL = 75; // the last frames through which the path of a target is drawn
 
 let [drawing, reading, loading] = [null, null, null];
@@ -30,7 +31,7 @@ export function prepareDrawing(actions) {
   act = actions;
   timeline = new Timeline(byId("timeline"), { goTo: act.visit, hover });
   preview = new Preview(byId("timeline"));
-  graph = new Graph({ goTo: act.visit });
+  graph = new Graph({ goTo: act.visit, height: CURVE });
   seesCurves = inView(byId("curves"), draw);
 }
 
@@ -178,10 +179,12 @@ const named = (number) => (number > app.playback.last ? "" : timeOf(number) === 
 
 function drawChosen(chosen) {
   const { shown, first, last } = app.playback;
+  byId("now").hidden = chosen === null;
   drawFigures(byId("figures"), app.recording.method, chosen === null ? undefined : answers.at(chosen.id, shown));
-  if (seesCurves() && shown !== null) {
+  byId("curves").hidden = chosen === null;
+  if (chosen !== null && seesCurves() && shown !== null) {
     const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
-    const charts = chartsOf(byId("curves"), app.recording.method, chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end));
+    const charts = chartsOf(byId("curves"), app.recording.method, answers.around(chosen.id, end - FRAMES + 1, end));
     graph.draw({ charts, first: end - FRAMES + 1, last: end, now: shown, named, timeOf });
   }
 }

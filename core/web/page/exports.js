@@ -5,6 +5,7 @@ import { byId, htmlNode } from "./dom.js";
 
 const FORMATS = { csv: "CSV", json: "JSON", tld: "TLD", vot: "VOT", otb: "OTB", got10k: "GOT-10k", mot: "MOT", coco: "COCO", cvat: "CVAT XML", record: "Flight record" };
 const ONE_TARGET = "holds one target only";
+const MIN_DONE = 0.05; // less says little about the time that is left
 const NO_BOX = "draw a box first";
 
 /**
@@ -53,10 +54,13 @@ export function drawMade(place, { id, name, done, file, folder, error, cancelled
 
 function drawProgress(line, { id, name, done }, cancel) {
   if (line.querySelector("progress") === null) {
-    line.replaceChildren(`${name} `, htmlNode("progress", { max: 1, "aria-label": name }), button("Cancel", { "aria-label": `Cancel ${name}` }, () => cancel(id)));
+    line.dataset.since = performance.now();
+    line.replaceChildren(`${name} `, htmlNode("progress", { max: 1, "aria-label": name }), htmlNode("span", {}), " ", button("Cancel", { "aria-label": `Cancel ${name}` }, () => cancel(id)));
   }
   if (typeof done === "number") {
     line.querySelector("progress").value = done;
+    const left = Math.ceil((((performance.now() - line.dataset.since) / 1000) * (1 - done)) / done);
+    line.querySelector("span").textContent = `${Math.floor(100 * done)} %${done < MIN_DONE ? "" : `, ${left} s left`}`;
   }
 }
 

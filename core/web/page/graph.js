@@ -5,7 +5,7 @@ import { fitted, htmlNode, sample } from "./dom.js";
 import { placeOf } from "./events.js";
 import { lookOf, palette } from "./palette.js";
 
-const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 18, AXIS = 18, EDGE = 6;
+const LEFT = 56, RIGHT = 14, BAND = 18, AXIS = 18, EDGE = 6;
 const LABEL = 64; // pixels for each label of the axis
 const FEWEST = 5; // frames that a zoom leaves
 const STEADY = 4; // pixels that a click may move
@@ -19,6 +19,7 @@ const short = (value) => (value >= 1e6 ? `${value / 1e6}M` : value >= 1e4 ? `${v
 export class Graph {
   #goTo;
   #zooms;
+  #height;
   #charts = []; // with their elements
   #shown = null;
   #part = null; // of the frames, from a place to another; null: all
@@ -28,9 +29,9 @@ export class Graph {
   #painting = null;
   #resized = new ResizeObserver(() => this.#paintLater());
 
-  /** A click calls `goTo(frame)`. With `zooms`, the user can zoom to a range of frames. */
-  constructor({ goTo = () => {}, zooms = false } = {}) {
-    [this.#goTo, this.#zooms] = [goTo, zooms];
+  /** A click calls `goTo(frame)`. With `zooms`, the user can zoom to a range of frames. `height` is that of a chart. */
+  constructor({ goTo = () => {}, zooms = false, height = 104 } = {}) {
+    [this.#goTo, this.#zooms, this.#height] = [goTo, zooms, height];
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#paintLater());
     document.addEventListener("pointermove", (event) => this.#moved(event));
     for (const end of ["pointerup", "pointercancel"]) {
@@ -125,7 +126,7 @@ export class Graph {
 
   #panel(chart, hasAxis) {
     const canvas = htmlNode("canvas", { role: "img", "aria-label": `${chart.title} over frames` });
-    canvas.style.height = `${(chart.bands ? BAND * chart.bands.length + 2 * EDGE : HEIGHT) + (hasAxis ? AXIS : 0)}px`;
+    canvas.style.height = `${(chart.bands ? BAND * chart.bands.length + 2 * EDGE : this.#height) + (hasAxis ? AXIS : 0)}px`;
     const [said, cursor, pointer] = [htmlNode("span", { class: "frame" }), htmlNode("div", { class: "cursor" }), htmlNode("div", { class: "pointer" })];
     const values = linesOf(chart).map((line) => document.createTextNode(line.title));
     const legend = linesOf(chart).map((line, at) => htmlNode("span", { class: "value" }, sample(line.look, line.isSecond), values[at]));

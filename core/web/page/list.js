@@ -21,7 +21,7 @@ function line(target, isChosen, { choose, remove, rename }) {
   radio.checked = isChosen;
   radio.setAttribute("aria-label", `Target ${target.name}`);
   radio.addEventListener("change", () => choose(target));
-  const button = htmlNode("button", { type: "button", "aria-label": `Remove target ${target.name}` }, "Remove");
+  const button = htmlNode("button", { type: "button", "aria-label": `Remove target ${target.name}`, title: `Remove ${target.name} with all its boxes` }, "✕");
   button.addEventListener("click", () => remove(target));
   const item = htmlNode("li", isChosen ? { class: "chosen" } : {}, htmlNode("label", { class: "of" }, radio), nameField(target, rename), htmlNode("span", { class: "now" }), button);
   item.style.setProperty("--of", target.color);

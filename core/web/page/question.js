@@ -2,6 +2,10 @@
 
 const MIN_OVERLAP = 1 / 4; // intersection over union
 const MIN_PART = 1 / 4; // of the former area: a smaller box may be a slip
+const MIN_SIDE = 8; // pixels of a new target: with less, the drag may be a slip, and trackers hardly tell it from others
+
+/** Returns the sentence before the question whether a box is a new target; null if it clearly is. */
+export const slipOf = ({ width, height }) => (Math.min(width, height) < MIN_SIDE ? `This box has ${width}x${height} pixels: a target of less than ${MIN_SIDE}x${MIN_SIDE} is hard to follow.` : null);
 
 /**
  * Returns the sentence before the question "new target or correction?"; null if `box` is clearly a correction of the

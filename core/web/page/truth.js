@@ -35,7 +35,7 @@ export class Truth {
     };
     byId("truth").append(
       htmlNode("output", { id: "share" }),
-      button("look", "Go to the next frame that is not checked (N)", "Next to check", () => this.next()),
+      button("look", "Go to the next frame that is not checked (N)", "Next", () => this.next()),
       button("line", "The boxes between two of yours lie on a line between them (B)", "By hand", () => this.line()),
       button("hide", "Something covers the target: from here, or up to here (H)", "Hidden", () => this.hide()),
     );

@@ -7,7 +7,7 @@ import { gripOf } from "../page/drag.js";
 import { Connection } from "../page/connection.js";
 import { Edits, lineIn, lockIn, nameOf, plainName, targetOf, toldOf } from "../page/edits.js";
 import { ENDED, Messages } from "../page/messages.js";
-import { doubtOf } from "../page/question.js";
+import { doubtOf, slipOf } from "../page/question.js";
 import { Images } from "../page/image-cache.js";
 import { lengthOf, minus, plus, rangeOf } from "../page/ranges.js";
 import { random } from "./library.mjs";
@@ -253,6 +253,7 @@ test("a box that may be of something else is asked about, one that is pulled or 
   assert.match(of(at(110, 105, 15, 10), { isPulled: true }), /15x10 pixels/);
   assert.match(of(at(300, 10, 15, 10), { isLost: true }), /15x10 pixels/);
   assert.equal(of(at(100, 100), { former: null }), "car is gone in this frame.");
+  assert.deepEqual([slipOf(at(1, 1, 8, 8)), slipOf(at(1, 1, 40, 7))], [null, "This box has 40x7 pixels: a target of less than 8x8 is hard to follow."]);
 });
 
 test("a sentence is shown until its cause ends, and that of the end is never hidden", () => {

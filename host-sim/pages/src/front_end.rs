@@ -16,7 +16,8 @@ const VIEWER_STYLE: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/viewer.
 
 /// Returns the HTML page of `host-sim view`, with `scripts` as its last elements.
 pub fn viewer(scripts: &str) -> String {
-    VIEWER.replace("{{style}}", &(STYLES.concat() + VIEWER_STYLE)).replace("{{scripts}}", scripts)
+    let style = STYLES.concat() + VIEWER_STYLE;
+    VIEWER.replace("{{style}}", &style).replace("{{words}}", WORDS).replace("{{scripts}}", scripts)
 }
 
 pub fn module(name: &str) -> Option<&'static str> {
