@@ -34,7 +34,7 @@ pub struct View {
     /// The tracker that follows the targets [default: that of --config, else robust]
     #[arg(long, value_enum)]
     method: Option<MethodKind>,
-    /// Read the initial boxes from FILE: CSV with column names, as `track` writes it, or CVAT XML 1.1
+    /// Read the initial boxes from FILE: CSV with column names, as `track` writes it, CVAT XML 1.1, or JSON of Label Studio
     ///
     /// CSV: a box without a confidence is a lock; other boxes are answers, which the tracker computes again. If the file has states, a
     /// target is gone in each frame without a line. CVAT for video: each key frame is a lock, and `outside` means gone. CVAT for images:
@@ -86,8 +86,9 @@ impl View {
         let method = self.method.or_else(|| self.tracker.method());
         let given = self.tracker.variant(method.unwrap_or(MethodKind::Robust))?;
         let Opened { name, source, images, length, beside } = self.open()?;
-        let targets = self.targets(beside, length).with_context(|| name.clone())?;
         let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.gray;
+        let size = (first.width, first.height);
+        let targets = self.targets(beside, length, size).with_context(|| name.clone())?;
         let is_live = source.live().is_some();
         let session_file = self.session_file(is_live);
         let place = session_file.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
@@ -108,7 +109,7 @@ impl View {
         }
         if is_read {
             let locks = targets.iter().flat_map(|target| &target.locks);
-            check_inside(locks, (first.width, first.height)).with_context(|| from.clone())?;
+            check_inside(locks, size).with_context(|| from.clone())?;
         }
         let followed = Arc::new(Followed::new(variant, targets, source.as_ref()).with_context(|| from)?);
         let made = Arc::new(Made::new()?);
@@ -117,7 +118,7 @@ impl View {
         let words = self.words();
         let viewer = Viewer {
             name,
-            size: (first.width, first.height),
+            size,
             words: shell::line(words.iter().map(OsString::as_os_str)),
             films: if !is_live && has_ffmpeg() { FILM_ENDINGS.to_vec() } else { Vec::new() },
             place,
@@ -169,9 +170,9 @@ impl View {
     }
 
     /// Targets of the command line, or else the one from files beside the recording.
-    fn targets(&self, beside: Option<Rect>, length: Option<usize>) -> Result<Vec<Target>> {
+    fn targets(&self, beside: Option<Rect>, length: Option<usize>, size: (u16, u16)) -> Result<Vec<Target>> {
         let (mut given, option) = match &self.boxes {
-            Some(file) => (annotations::read(file).with_context(|| file.display().to_string())?, "--boxes"),
+            Some(file) => (annotations::read(file, size).with_context(|| file.display().to_string())?, "--boxes"),
             None => (smr_recordings::Target::all(&self.init, 1)?, "--init"),
         };
         smr_recordings::Target::check_frames(&given, 1, length, option)?;

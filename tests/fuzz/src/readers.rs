@@ -70,7 +70,7 @@ pub(crate) fn raw(bytes: &[u8]) {
 
 /// Checks that each target begins with a box, has at most one entry in a frame, and boxes with pixels.
 fn annotated(bytes: &[u8]) {
-    for target in annotations::parse(bytes).unwrap_or_default() {
+    for target in annotations::parse(bytes, (320, 240)).unwrap_or_default() {
         let locks = target.rects().expect("boxes have pixels");
         assert!(locks.is_sorted_by_key(|(frame, _)| *frame) && locks[0].0 > 0 && locks[0].1.is_some());
         let frames = || locks.iter().map(|(frame, bbox)| (*frame, bbox.is_some()));

@@ -425,7 +425,7 @@ mod tests {
         for (frame, report) in [Some(seen), Some(answered), Some(lost), None, None, Some(seen)].iter().enumerate() {
             cvat.line(&answer(0, frame + 1, report.as_ref())).unwrap();
         }
-        let read = smr_recordings::annotations::parse(cvat.foot().unwrap().as_bytes()).unwrap();
+        let read = smr_recordings::annotations::parse(cvat.foot().unwrap().as_bytes(), (320, 240)).unwrap();
         assert_eq!(read[0].rects().unwrap(), [(1, seen.bbox), (4, None), (6, seen.bbox)]);
     }
 

@@ -131,7 +131,7 @@ impl Viewer {
             }
             (true, "boxes", "") => {
                 let name = value(query, "name").map_or("these boxes".to_owned(), decoded);
-                let targets = annotations::parse(body).and_then(Target::numbered).context(name)?;
+                let targets = annotations::parse(body, self.size).and_then(Target::numbered).context(name)?;
                 json_reply(&json!({ "targets": targets }))
             }
             (true, "method", "") => {

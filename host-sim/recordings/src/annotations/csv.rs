@@ -133,7 +133,7 @@ impl Columns {
         if let Some(missing) = REQUIRED.iter().find(|name| !places.contains_key(*name)) {
             let found = names.iter().map(unquoted).collect::<Vec<_>>().join(", ");
             bail!(
-                "there is no column {missing}: expected CSV with the columns frame, x, y, width and height (and target), or CVAT XML, found the columns {}",
+                "there is no column {missing}: expected CSV with the columns frame, x, y, width and height (and target), CVAT XML, or JSON of Label Studio, found the columns {}",
                 shown(&found)
             );
         }

@@ -1,10 +1,9 @@
 //! CVAT XML 1.1, <https://docs.cvat.ai/docs/dataset_management/formats/format-cvat/>: tracks of a video, or shapes of
 //! images. Frames and images count from 0. A shape is read as its bounding box.
 
-use super::track::{Entry, Seen, Track, frame, line_of, number, shown};
+use super::track::{Entry, Seen, Track, frame, line_of, number, shown, unused};
 use super::xml::{Element, Step, Steps};
 use crate::annotations::boxes::mask;
-use crate::annotations::start::checked_name;
 use crate::bounding_box::BoundingBox;
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::HashMap;
@@ -118,23 +117,6 @@ fn flag(of: &Element, name: &'static str) -> Result<Option<bool>> {
         Some("0") => Ok(Some(false)),
         Some("1") => Ok(Some(true)),
         Some(other) => bail!("{name}: expected 0 or 1, found {}", shown(other)),
-    }
-}
-
-/// Makes a name of a label. Tracks with one label are numbered: `car`, `car-2`. `names` counts the tracks of each name.
-fn unused(label: &str, names: &mut HashMap<String, usize>) -> Result<String> {
-    let fits = |letter: char| letter.is_alphanumeric() || "-_. ".contains(letter);
-    let plain = |letter: char| if fits(letter) { letter } else { '_' };
-    let name: String = label.trim().chars().map(plain).collect();
-    let name = checked_name(&name).context("label")?;
-    loop {
-        let count = names.entry(name.clone()).or_insert(0);
-        *count += 1;
-        let numbered = if *count == 1 { return Ok(name) } else { format!("{name}-{count}") };
-        if !names.contains_key(&numbered) {
-            names.insert(numbered.clone(), 1);
-            return Ok(numbered);
-        }
     }
 }
 

@@ -1,4 +1,5 @@
-//! Boxes of named targets in files that people and other programs write: CSV with column names, and CVAT XML.
+//! Boxes of named targets in files that people and other programs write: CSV with column names, CVAT XML, and JSON of
+//! Label Studio.
 //!
 //! Each format has a reader, which returns tracks: the entries of a target, in the order of the file. `Track::target`
 //! gives all formats one meaning: entries by frame, at most one in a frame, boxes with pixels.
@@ -6,6 +7,7 @@
 pub mod boxes;
 mod csv;
 mod cvat;
+mod label_studio;
 pub(crate) mod start;
 mod track;
 mod xml;
@@ -16,23 +18,28 @@ use start::Target;
 use std::path::Path;
 
 /// Files of boxes: 64 MiB are enough for a million lines of 67 bytes.
-const KIND: Kind = Kind { expected: "CSV or CVAT XML", most: 64 };
+const KIND: Kind = Kind { expected: "CSV, CVAT XML or JSON of Label Studio", most: 64 };
 
-/// Reads a file of boxes. Errors: It is neither CSV nor CVAT XML, an entry is wrong, or there is no box to lock on.
-pub fn read(file: &Path) -> Result<Vec<Target>> {
-    parse(&input::bytes(file, &KIND)?)
+/// Reads a file of boxes in frames of the size `size`. Errors: It is of no known kind, an entry is wrong, or there is no box
+/// to lock on.
+pub fn read(file: &Path, size: (u16, u16)) -> Result<Vec<Target>> {
+    parse(&input::bytes(file, &KIND)?, size)
 }
 
 /// Parses the content of a file of boxes. Errors: as [`read`].
-pub fn parse(bytes: &[u8]) -> Result<Vec<Target>> {
+pub fn parse(bytes: &[u8], size: (u16, u16)) -> Result<Vec<Target>> {
     let text = input::decoded(bytes, &KIND)?;
     ensure!(!text.trim().is_empty(), "it is empty: expected {}", KIND.expected);
-    let tracks = if text.trim_start().starts_with('<') { cvat::tracks(&text)? } else { csv::tracks(&text)? };
+    let tracks = match text.trim_start().as_bytes().first() {
+        Some(b'<') => cvat::tracks(&text)?,
+        Some(b'[') => label_studio::tracks(&text, size)?,
+        _ => csv::tracks(&text)?,
+    };
     let targets = tracks.into_iter().map(|track| track.target(&text)).collect::<Result<Vec<_>>>()?;
     let targets: Vec<_> = targets.into_iter().filter(|target| !target.starts.is_empty()).collect();
     ensure!(
         !targets.is_empty(),
-        "there is no box to lock on: expected one without a confidence, or a shape of CVAT without source=\"auto\""
+        "there is no box to lock on: expected one without a confidence, a shape of CVAT without source=\"auto\", or a videorectangle"
     );
     Ok(targets)
 }
@@ -41,6 +48,8 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Target>> {
 mod tests {
     use super::*;
     use crate::bounding_box::BoundingBox;
+
+    const SIZE: (u16, u16) = (200, 100);
 
     /// Returns each target as text: its name, then its locks with their frames.
     fn read(text: &str) -> Result<Vec<String>, String> {
@@ -51,7 +60,9 @@ mod tests {
             let locks: Vec<_> = starts.into_iter().map(lock).collect();
             format!("{} {}", name.unwrap_or_default(), locks.join(" "))
         };
-        parse(text.as_bytes()).map(|all| all.into_iter().map(target).collect()).map_err(|error| format!("{error:#}"))
+        parse(text.as_bytes(), SIZE)
+            .map(|all| all.into_iter().map(target).collect())
+            .map_err(|error| format!("{error:#}"))
     }
 
     fn reads(text: &str, expected: &[&str]) {
@@ -94,13 +105,12 @@ mod tests {
         reads("target;frame;x;y;width;height\n\"Größe 2\";1;1;2;3;4", &["Größe 2 1:1,2,3,4"]);
         let utf16: Vec<u8> =
             "\u{feff}frame\tx\ty\twidth\theight\n1\t1\t2\t3\t4".encode_utf16().flat_map(u16::to_le_bytes).collect();
-        assert_eq!(parse(&utf16).unwrap().len(), 1);
+        assert_eq!(parse(&utf16, SIZE).unwrap().len(), 1);
     }
 
     #[test]
     fn a_fault_of_csv_has_its_line_and_column() {
-        let expected =
-            "expected CSV with the columns frame, x, y, width and height (and target), or CVAT XML, found the columns";
+        let expected = "expected CSV with the columns frame, x, y, width and height (and target), CVAT XML, or JSON of Label Studio, found the columns";
         for (head, said) in [
             ("a,b\n1,2", &*format!("line 1: there is no column frame: {expected} \"a, b\"")),
             ("\n\nFrame;x1;y1;x2;y2\n", &format!("line 3: there is no column x: {expected} \"Frame, x1, y1, x2, y2\"")),
@@ -110,7 +120,7 @@ mod tests {
             ("frame,x,X,y,width,height\n", "line 1: there are two columns x: expected one"),
             ("frame,x,y,width,height,state,State\n", "line 1: there are two columns state: expected one"),
             ("\"frame,x,y,width,height\n1,1,2,3,4\n", "line 1: a quote is missing"),
-            ("", "it is empty: expected CSV or CVAT XML"),
+            ("", "it is empty: expected CSV, CVAT XML or JSON"),
             ("\u{feff} \n", "it is empty"),
             (",,,\n", "it has no line with the names of columns"),
         ] {
@@ -189,9 +199,59 @@ mod tests {
         let shape = |frame: u8, more: &str| format!("<box frame=\"{frame}\" keyframe=\"1\" {more} {corners}/>\n");
         let outside = shape(9, "outside=\"1\"");
         let boxes = [shape(0, ""), shape(4, ""), outside, shape(12, ""), shape(14, "source=\"auto\""), shape(20, "")];
-        let lines = |text: &str| parse(text.as_bytes()).unwrap().remove(0).lines;
+        let lines = |text: &str| parse(text.as_bytes(), SIZE).unwrap().remove(0).lines;
         assert_eq!(lines(&track(&boxes.concat())), [1]);
         assert_eq!(lines("frame,x,y,width,height\n1,1,2,3,4\n9,5,6,7,8"), [0; 0]);
+    }
+
+    #[test]
+    fn label_studio_is_read_in_percent_of_the_frame() {
+        let key =
+            |frame: u8, more: &str| format!(r#"{{"frame":{frame},"x":10,"y":20.5,"width":30,"height":40{more}}}"#);
+        let region = |keys: &[String], labels: &str| {
+            let keys = keys.join(",");
+            format!(
+                r#"{{"type":"videorectangle","id":"a","value":{{"framesCount":9,"sequence":[{keys}],"labels":[{labels}]}}}}"#
+            )
+        };
+        let file = |regions: &[String]| {
+            let other = r#"{"type":"choices","value":{"choices":["night"]}}"#;
+            format!(
+                "[{{\"id\":1,\n\"annotations\":[{{\"result\":[{other},\n{}]}}],\"data\":{{}}}}]",
+                regions.join(",\n")
+            )
+        };
+        let off = r#","enabled":false,"rotation":0,"time":1.5"#;
+        let all = [key(7, ""), key(1, r#","enabled":true"#), key(4, off)];
+        let car = file(&[
+            region(&all, "\"car\""),
+            region(&[key(3, r#","rotation":90"#)], "\"car\""),
+            region(&[key(2, off)], ""),
+        ]);
+        reads(
+            &car,
+            &[
+                "car 1:20,20.5,60,40 4:20,20.5,60,40 5:gone 7:20,20.5,60,40",
+                "car-2 3:-20,20.5,40,60",
+                "target 2:20,20.5,60,40 3:gone",
+            ],
+        );
+        assert_eq!(parse(car.as_bytes(), SIZE).unwrap()[0].lines, [1]);
+        let one = |keys: &[String]| file(&[region(keys, "")]);
+        for (text, said) in [
+            ("[1]", "line 1: it is damaged, or no JSON of Label Studio"),
+            (&*one(&[key(0, "")]), "line 3: it is damaged, or no JSON of Label Studio (expected the number of a frame"),
+            (&one(&[key(1, "").replace("30", "0")]), "the box of target in frame 1 has no pixels"),
+            (&one(&[key(1, "").replace("30", "1e300")]), "the box of target in frame 1 has no pixels, or too many"),
+            (&one(&[key(1, ""), key(1, "")]), "target is in frame 1 twice"),
+            ("[]", "there is no box to lock on"),
+            (
+                &car.replace("}],\"data", "},{\"result\":[]}],\"data"),
+                "it has 2 annotations: expected that of one video by one person",
+            ),
+        ] {
+            refuses(text, said);
+        }
     }
 
     #[test]
@@ -227,7 +287,7 @@ mod tests {
         reads(&track(&(skeleton(0, &seen) + &skeleton(4, &point("1,2", 1)))), &["a 1:1,2,4,7 5:gone"]);
         // A square that is turned by 45 degrees.
         let turned =
-            parse(shape("box", "xtl=\"0\" ytl=\"0\" xbr=\"10\" ybr=\"10\" rotation=\"45\"").as_bytes()).unwrap();
+            parse(shape("box", "xtl=\"0\" ytl=\"0\" xbr=\"10\" ybr=\"10\" rotation=\"45\"").as_bytes(), SIZE).unwrap();
         let bounds = turned[0].starts[0].1.unwrap();
         assert!((bounds.x + 2.071).abs() < 1e-3 && (bounds.width - 14.142).abs() < 1e-3, "{bounds}");
     }

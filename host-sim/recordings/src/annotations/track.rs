@@ -1,8 +1,9 @@
 //! Tracks as files state them: the entries of each target, in any order, and what they have in common.
 
-use super::start::Target;
+use super::start::{Target, checked_name};
 use crate::bounding_box::BoundingBox;
 use anyhow::{Context, Result, anyhow, bail};
+use std::collections::HashMap;
 
 /// An entry of a target in a frame. Its line is computed from its position, and only for an error.
 pub(super) struct Entry {
@@ -60,6 +61,23 @@ impl Track {
             }
         }
         Ok(Target { name: self.name, starts, lines })
+    }
+}
+
+/// Makes a name of a label. Tracks with one label are numbered: `car`, `car-2`. `names` counts the tracks of each name.
+pub(super) fn unused(label: &str, names: &mut HashMap<String, usize>) -> Result<String> {
+    let fits = |letter: char| letter.is_alphanumeric() || "-_. ".contains(letter);
+    let plain = |letter: char| if fits(letter) { letter } else { '_' };
+    let name: String = label.trim().chars().map(plain).collect();
+    let name = checked_name(&name).context("label")?;
+    loop {
+        let count = names.entry(name.clone()).or_insert(0);
+        *count += 1;
+        let numbered = if *count == 1 { return Ok(name) } else { format!("{name}-{count}") };
+        if !names.contains_key(&numbered) {
+            names.insert(numbered.clone(), 1);
+            return Ok(numbered);
+        }
     }
 }
 

@@ -135,7 +135,7 @@ proptest! {
             let last = |cells: &Vec<Cell>| cells.iter().rposition(|cell| !matches!(cell, Cell::Gone)).map_or(0, |at| at + 1);
             let end = if format == Format::Csv { targets.iter().map(last).max().unwrap_or(0) } else { targets[0].len() };
             let (text, expected) = (written(format, &names, &targets), locks(&names, &targets, end));
-            let read = annotations::parse(text.as_bytes()).unwrap_or_default();
+            let read = annotations::parse(text.as_bytes(), (320, 240)).unwrap_or_default();
             let read: Locks = read.into_iter().map(|one| (name_of(one.name.as_ref()), one.starts)).collect();
             prop_assert_eq!(read, expected, "{}", text);
         }
