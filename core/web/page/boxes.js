@@ -77,7 +77,7 @@ function formerOf(target, grip) {
   }
   const { number, box } = target.locks.findLast((one) => one.number <= here) ?? target.locks[0];
   const found = boxOf(target) ?? answers.last(target.id, number, here) ?? { box };
-  return { former: whole(found.box), isLost: found.state === "lost" };
+  return { former: whole(found.box), isLost: ["lost", "hidden"].includes(found.state) };
 }
 
 function lockOn(box, target, isPulled) {

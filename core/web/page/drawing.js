@@ -3,7 +3,7 @@
 import { drawCommands } from "./command-lines.js";
 import { Detail } from "./detail.js";
 import { byId, inView } from "./dom.js";
-import { isGone, lockIn, nameOf } from "./edits.js";
+import { isGone, isHidden, lockIn, nameOf } from "./edits.js";
 import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
 import { drawLimits } from "./exports.js";
 import { FRAMES, chartsOf, drawFigures } from "./figures.js";
@@ -93,11 +93,13 @@ function drawn(target) {
   }
   const { box, state } = found;
   const words = state === "tracking" ? nameOf(target) : `${nameOf(target)}: ${state}`;
-  return [{ box, color: target.color, words, isChosen, isLast: state === "lost", hasHandles: isChosen }];
+  return [{ box, color: target.color, words, isChosen, isLast: isUnseen(state), hasHandles: isChosen }];
 }
 
+const isUnseen = (state) => state === "lost" || state === "hidden";
+
 function trailOf(target) {
-  const isThere = (found) => found !== null && found.state !== "lost";
+  const isThere = (found) => found !== null && !isUnseen(found.state);
   return (number) => (isThere(boxIn(target, number)) ? boxIn(target, number).box : null);
 }
 
@@ -170,7 +172,8 @@ function drawTargets(chosen) {
   const named = edits.targets.map((target) => ({ ...target, name: nameOf(target) }));
   drawList(byId("targets"), { ...act, targets: named, chosen });
   edits.targets.forEach((target, at) => {
-    const state = isGone(target, playback.shown) ? "gone" : (answers.state(target.id, playback.shown) ?? "–");
+    const number = playback.shown;
+    const state = isGone(target, number) ? "gone" : isHidden(target, number) ? "hidden" : (answers.state(target.id, number) ?? "–");
     write(byId("targets").children[at].querySelector(".now"), state);
   });
 }

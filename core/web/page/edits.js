@@ -16,6 +16,8 @@ export const lockIn = (target, number) => target?.locks.find((lock) => lock.numb
 
 export const isGone = (target, number) => target?.locks.findLast((lock) => lock.number <= number)?.box === null;
 
+export const isHidden = ({ hidden }, number) => rangeOf(hidden, number) !== undefined;
+
 /** Returns the box on the line between two boxes by hand; undefined if a tracker finds the target in this frame. */
 export function lineIn(target, number) {
   const at = target.locks.findLastIndex((lock) => lock.number <= number);

@@ -3,7 +3,7 @@
 
 import { Answers } from "./answers.js";
 import { byId } from "./dom.js";
-import { Edits, isGone, lineIn, lockIn } from "./edits.js";
+import { Edits, isGone, isHidden, lineIn, lockIn } from "./edits.js";
 import { Messages } from "./messages.js";
 
 export const answers = new Answers();
@@ -88,5 +88,6 @@ export function boxIn(target, number) {
   const answer = target && answers.at(target.id, number);
   const own = target && (lockIn(target, number)?.box ?? lineIn(target, number));
   const box = own ?? answer?.box;
-  return box && !isGone(target, number) ? { box, state: (own ? null : answer?.state) ?? "tracking" } : null;
+  const state = target && isHidden(target, number) ? "hidden" : own ? "tracking" : answer?.state;
+  return box && !isGone(target, number) ? { box, state: state ?? "tracking" } : null;
 }

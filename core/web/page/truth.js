@@ -4,7 +4,7 @@
 import { changed, goOrComeBack, isAwaited } from "./boxes.js";
 import { byId, htmlNode } from "./dom.js";
 import { draw, events } from "./drawing.js";
-import { isGone, lineIn, lockIn } from "./edits.js";
+import { isGone, isHidden, lineIn, lockIn } from "./edits.js";
 import { placeOf } from "./events.js";
 import { MAX_STEP } from "./playback.js";
 import { lengthOf, minus, plus, rangeOf } from "./ranges.js";
@@ -121,7 +121,7 @@ export class Truth {
     byId("line").disabled = line === undefined;
     byId("line").setAttribute("aria-pressed", line?.byHand === true);
     byId("hide").disabled = chosen.locks[0].number >= shown || isGone(chosen, shown);
-    byId("hide").setAttribute("aria-pressed", rangeOf(chosen.hidden, shown) !== undefined);
+    byId("hide").setAttribute("aria-pressed", isHidden(chosen, shown));
   }
 
   // Returns the ranges of frames in which the truth is known. They are counted at most every COUNT_MS.
@@ -212,8 +212,11 @@ export class Truth {
     } else {
       const lost = events(chosen).find(({ kind, frame, until }) => kind === "lost" && frame <= here && here <= until);
       const drawn = chosen.locks.find(({ number }) => number > here)?.number ?? Infinity;
-      const to = Math.min(lost?.until ?? playback.last, drawn - 1);
-      edits.setHidden(chosen, plus(chosen.hidden, lockIn(chosen, here) ? here + 1 : here, to));
+      const [from, to] = [lockIn(chosen, here) ? here + 1 : here, Math.min(lost?.until ?? playback.last, drawn - 1)];
+      if (from > to) {
+        return;
+      }
+      edits.setHidden(chosen, plus(chosen.hidden, from, to));
       this.#hint = { number: here, text: `Hidden up to ${placeOf(to, timeOf)}: where it is visible before, press H again.` };
     }
     changed();
@@ -221,7 +224,7 @@ export class Truth {
 }
 
 // True if the user says what is true in a frame, whatever the tracker answers.
-const isTold = (target, number) => lockIn(target, number) !== undefined || isGone(target, number) || rangeOf(target.hidden, number) !== undefined || lineIn(target, number) !== undefined;
+const isTold = (target, number) => lockIn(target, number) !== undefined || isGone(target, number) || isHidden(target, number) || lineIn(target, number) !== undefined;
 
 // Returns the frames of a target in which its box may be wrong: { kind, frame, until }.
 function doubtsOf(target, open) {

@@ -65,6 +65,15 @@ async function served(words) {
   return { server, address: JSON.parse(line).address };
 }
 
+// Ends a viewer, and waits until it cannot save its session any more.
+async function ended(server) {
+  if (server.exitCode === null && server.signalCode === null) {
+    const exit = new Promise((resolve) => server.once("exit", resolve));
+    server.kill();
+    await exit;
+  }
+}
+
 // Runs a test on a new viewer, which must write no errors to the console and send requests to host-sim only.
 function onViewer(name, run, { words = ["clip.y4m"], ...options } = {}) {
   test(name, { skip: why ?? false }, async (context) => {
@@ -77,7 +86,7 @@ function onViewer(name, run, { words = ["clip.y4m"], ...options } = {}) {
       assert.deepEqual([page.errors, page.requests.filter((request) => !request.startsWith(address))], [[], []]);
     } finally {
       await page.close();
-      server.kill();
+      await ended(server);
     }
   });
 }
@@ -293,6 +302,7 @@ onViewer("a tracked box is corrected where it is pulled, at its edges too", asyn
   await dragBox(page, BOX);
   await followedAll(page);
   await goTo(page, 40);
+  await page.until(`document.getElementById("stage").ariaLabel.startsWith("Frame 40, target1 ")`);
   const found = parsed(await boxes(page, "json")).find(({ frame }) => frame === 40).fine;
   const { x, y, width, height } = Object.fromEntries(Object.entries(found).map(([side, value]) => [side, Math.round(value)]));
   await page.drag(await place(page, x + width / 2, y + height / 2), await place(page, x + width / 2 + 5, y + height / 2 + 3));
@@ -464,12 +474,11 @@ onViewer("a box on something else asks what it is for, and undo takes the questi
   await page.click("#correct");
   await commands(page, /--init 36,24,24,28 --init 120,80,30,30@40 --method/);
   // A pulled box is compared with the box that it was.
-  const corner = await place(page, 150, 110);
-  await page.drag(corner, await place(page, 130, 90));
+  await page.drag(await place(page, 150, 110), await place(page, 130, 90));
   await says(page, "asked", /This box has 10x10 pixels, and that of target1 30x30\.\s*Correct target1\s*New target\s*Drop it/);
   await page.key("Escape");
   await page.until(`document.getElementById("asked").hidden`);
-  await page.drag(corner, await place(page, 140, 100));
+  await page.drag(await place(page, 150, 110), await place(page, 140, 100));
   await commands(page, /--init 120,80,20,20@40 --method/);
 });
 
