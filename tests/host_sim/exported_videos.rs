@@ -2,6 +2,7 @@
 
 use crate::missing::{has, has_ffmpeg};
 use crate::program::{host_sim, utf8};
+use smr_recordings::{GrayFrame, OpenOptions, synthetic};
 use std::path::Path;
 use std::process::Command;
 
@@ -28,6 +29,33 @@ fn stream(video: &Path, which: &str, entry: &str) -> String {
     run("ffprobe", &["-select_streams", which, "-show_entries", &entry, "-of", "csv=p=0", utf8(video)])
         .trim()
         .to_owned()
+}
+
+#[test]
+fn a_video_shows_what_is_chosen_and_is_cropped_to_the_target() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let track = ["track", "synthetic", "--frames", "..9", "--init", "36,24,24,28", "--video", utf8(&out)];
+        let said = host_sim(&[&track, more].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let frames = smr_recordings::open(&out, &OpenOptions::default()).unwrap().frames;
+        frames.map(|frame| frame.unwrap().gray).collect::<Vec<_>>()
+    };
+    let plain: Vec<_> = synthetic::frames().take(9).collect();
+    assert!(written("nothing", &["--draw", "nothing"]) == plain);
+    let marked = ["box", "name", "trail"].map(|mark| written(mark, &["--draw", mark]));
+    assert!(marked.iter().all(|frames| *frames != plain));
+    assert!(marked[0] != marked[1] && marked[1] != marked[2] && marked[0] != marked[2]);
+    assert!(written("usual", &[]) == written("both", &["--draw", "box,name"]));
+    // Three times the longer side of the first box; the target stays in the middle.
+    let cropped = written("cropped", &["--crop", "--draw", "nothing"]);
+    assert!(cropped.iter().all(|frame| (frame.width, frame.height) == (84, 84)));
+    let part = |frame: &GrayFrame, left: usize, top: usize| {
+        let rows = frame.pixels.chunks(frame.width.into()).skip(top).take(84);
+        rows.flat_map(|row| row[left..left + 84].to_vec()).collect::<Vec<_>>()
+    };
+    assert!(cropped[0].pixels == part(&plain[0], 6, 0), "48 - 42, and 38 - 42 is not in the frame");
 }
 
 /// Writes a clip with colors, sound, pixels that are not square, and irregular frame times.

@@ -5,7 +5,7 @@ use super::paths::{Places, Taken, listed};
 use super::progress::{self, Bar};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::video::{AnswersVideo, Shown};
+use super::video::{AnswersVideo, Look, Mark, Shown};
 use super::{Outcome, is_closed_pipe};
 use anyhow::{Context, Error, Result, bail, ensure};
 use smr_core::Quality;
@@ -15,7 +15,7 @@ use smr_files::output::{Output, complain, print};
 use smr_files::signals;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::export::{FILM_ENDINGS, Plan};
-use smr_recordings::{Arrivals, Frame, Sequence, misfit};
+use smr_recordings::{Arrivals, BoundingBox, Frame, Sequence, misfit};
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -56,6 +56,14 @@ pub struct Track {
     /// (`| head`), host-sim still finishes the video.
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
+    /// What the video shows, separated by commas [default: box,name]
+    #[arg(long, value_enum, value_name = "MARK", value_delimiter = ',')]
+    draw: Vec<Mark>,
+    /// Cut the video to a square around the target, which stays in its middle; of several targets, around the first
+    ///
+    /// The square has three times the longer side of the first box. It stays in the frame, so a target near the border is not in the middle.
+    #[arg(long)]
+    crop: bool,
     /// The ids of the targets in the viewer of `view`, which orders the video: they select the colors
     #[arg(long, hide = true, value_delimiter = ',')]
     ids: Vec<usize>,
@@ -89,6 +97,7 @@ impl Track {
         let method = self.method.or_else(|| self.tracker.method());
         let variant = self.tracker.variant(method.unwrap_or(MethodKind::Robust))?;
         let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence, true)?;
+        let begun = targets.first().and_then(|target| target.starts.first()?.1);
         let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
         let format = self.format(targets.len())?;
         let about = About {
@@ -100,6 +109,14 @@ impl Track {
         let printer = Printer::new(format, about);
         ensure!(films.len() < 2, "--out and --video both name a video: expected one of them");
         let film = films.first().map(|&(_, film)| film);
+        ensure!(
+            film.is_some() || (self.draw.is_empty() && !self.crop),
+            "--draw and --crop are of a video: expected --video FILE, too"
+        );
+        ensure!(
+            self.draw.len() < 2 || !self.draw.contains(&Mark::Nothing),
+            "--draw nothing stands alone: expected no other mark"
+        );
         // With a video, a terminal shows only events, because lines of numbers would hide the events.
         let events = (film.is_some() && boxes.is_none() && stdout().is_terminal()).then(|| Events::new(targets.len()));
         let mut lines = match boxes {
@@ -118,7 +135,7 @@ impl Track {
         if let Some(misfit) = length.and_then(misfit) {
             complain(&format!("warning: {}: {misfit}", sequence.name));
         }
-        let film = film.map(|out| Ok::<_, Error>((out.clone(), self.film(out, &mut sequence)?))).transpose()?;
+        let film = film.map(|out| Ok::<_, Error>((out.clone(), self.film(out, &mut sequence, begun)?))).transpose()?;
         let sequence = if film.is_some() { sequence.in_color(self.recording.ffmpeg_patience()) } else { sequence };
         lines.write(&printer.head())?;
         let last = sequence.first - 1;
@@ -163,12 +180,14 @@ impl Track {
         progress::bar(&name, sequence.length.or_else(|| whole().map(part)))
     }
 
-    fn film(&self, out: &Path, sequence: &mut Sequence) -> Result<AnswersVideo> {
+    fn film(&self, out: &Path, sequence: &mut Sequence, begun: Option<BoundingBox>) -> Result<AnswersVideo> {
         let (patience, number) = (self.recording.ffmpeg_patience(), sequence.first);
         let sound = sequence.source.video().map(Path::to_owned);
         let is_cut = self.recording.frames().is_some_and(|part| part.last().is_some());
         let plan = Plan { sound, is_cut, number, patience };
-        AnswersVideo::create(out, plan, sequence.truth.take().unwrap_or_default(), &self.ids)
+        let marks = if self.draw.is_empty() { vec![Mark::Box, Mark::Name] } else { self.draw.clone() };
+        let look = Look { marks, cropped: begun.filter(|_| self.crop) };
+        AnswersVideo::create(out, plan, sequence.truth.take().unwrap_or_default(), &self.ids, look)
     }
 }
 

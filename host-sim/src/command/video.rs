@@ -6,7 +6,32 @@ use smr_evaluation::{MethodAnswer, name_of};
 use smr_pages::colors::{Color, WHITE, color_of, of_target};
 use smr_pages::export::{self, Overlay, Plan};
 use smr_recordings::{BoundingBox, Frame};
+use std::collections::VecDeque;
 use std::path::Path;
+
+/// Marks that a video shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Mark {
+    /// The box, and that of the ground truth
+    Box,
+    /// The number of the frame, and the name and the state of the target
+    Name,
+    /// The path of the target through the last frames
+    Trail,
+    /// Nothing: the frames as they are
+    Nothing,
+}
+
+/// Frames through which a trail is drawn, as in the viewer.
+const TRAIL: usize = 75;
+/// Side of a cropped frame, in longer sides of the first box.
+const AROUND: f64 = 3.0;
+
+/// The marks of a video, and the first box of the target that it is cropped to, if it is.
+pub struct Look {
+    pub marks: Vec<Mark>,
+    pub cropped: Option<BoundingBox>,
+}
 
 pub struct AnswersVideo {
     film: export::VideoWriter,
@@ -15,6 +40,9 @@ pub struct AnswersVideo {
     ids: Vec<usize>,
     /// Last known box of each target.
     lasts: Vec<Option<BoundingBox>>,
+    /// Last centres of each target's box.
+    trails: Vec<VecDeque<(f64, f64)>>,
+    look: Look,
 }
 
 pub struct Shown<'a> {
@@ -25,9 +53,14 @@ pub struct Shown<'a> {
 
 impl AnswersVideo {
     /// Creates the video. `truth` has the ground-truth box of each frame, if there is any.
-    pub fn create(out: &Path, plan: Plan, truth: Vec<Option<BoundingBox>>, ids: &[usize]) -> Result<Self> {
+    pub fn create(out: &Path, plan: Plan, truth: Vec<Option<BoundingBox>>, ids: &[usize], look: Look) -> Result<Self> {
         let film = export::VideoWriter::create(out, plan)?;
-        Ok(Self { film, truth: truth.into_iter(), ids: ids.to_vec(), lasts: Vec::new() })
+        let (truth, ids) = (truth.into_iter(), ids.to_vec());
+        Ok(Self { film, truth, ids, lasts: Vec::new(), trails: Vec::new(), look })
+    }
+
+    fn shows(&self, mark: Mark) -> bool {
+        self.look.marks.contains(&mark)
     }
 
     /// Draws the ground truth in white, and each target's box in the target's color: dashed while it is not tracking.
@@ -35,39 +68,67 @@ impl AnswersVideo {
     pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
         let (number, moment) = (frame.number, frame.moment);
         let mut overlay = Overlay::new(frame.color.unwrap_or_else(|| (&frame.gray).into()));
-        if let Some(Some(truth)) = self.truth.next() {
+        if let Some(truth) = self.truth.next().flatten().filter(|_| self.shows(Mark::Box)) {
             overlay.outline(&truth, WHITE);
         }
-        self.lasts.resize(targets.len(), None);
-        for (last, shown) in self.lasts.iter_mut().zip(targets) {
-            *last = shown.report.and_then(|report| report.target).or(*last);
-        }
+        self.follow(targets);
         self.draw(&mut overlay, targets);
+        if let Some(first) = &self.look.cropped {
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+            let side = (first.width.max(first.height) * AROUND).ceil() as u32;
+            let seen = self.lasts.first().copied().flatten().unwrap_or(*first);
+            overlay = overlay.part(seen.centre(), (side, side));
+        }
         let (words, color) = match targets {
             [Shown { report: Some(report), name }] => described(report, *name),
             _ => (String::new(), WHITE),
         };
-        overlay.label(&format!("{number}{words}"), color);
+        if self.shows(Mark::Name) {
+            overlay.label(&format!("{number}{words}"), color);
+        }
         self.film.frame(&overlay, moment)
+    }
+
+    fn follow(&mut self, targets: &[Shown<'_>]) {
+        self.lasts.resize(targets.len(), None);
+        self.trails.resize(targets.len(), VecDeque::new());
+        for ((last, trail), shown) in self.lasts.iter_mut().zip(&mut self.trails).zip(targets) {
+            let found = shown.report.and_then(|report| report.target);
+            *last = found.or(*last);
+            // A target that was lost is not led across the frame.
+            let Some(found) = found else {
+                trail.clear();
+                continue;
+            };
+            trail.push_back(found.centre());
+            trail.drain(..trail.len().saturating_sub(TRAIL));
+        }
     }
 
     fn draw(&self, overlay: &mut Overlay, targets: &[Shown<'_>]) {
         let is_only = targets.len() == 1;
+        for (at, trail) in self.trails.iter().enumerate().filter(|_| self.shows(Mark::Trail)) {
+            overlay.path(&trail.iter().copied().collect::<Vec<_>>(), self.color(at));
+        }
         for (at, (shown, last)) in targets.iter().zip(&self.lasts).enumerate() {
             let (Some(MethodAnswer { state, .. }), Some(last)) = (shown.report, last) else { continue };
-            let color = of_target(self.ids.get(at).copied().unwrap_or(at + 1));
+            let color = self.color(at);
             let is_tracking = state == State::Tracking;
-            if is_tracking {
-                overlay.outline(last, color);
-            } else {
-                overlay.dashed_outline(last, color);
+            match is_tracking {
+                _ if !self.shows(Mark::Box) => {}
+                true => overlay.outline(last, color),
+                false => overlay.dashed_outline(last, color),
             }
-            if !is_only {
+            if !is_only && self.shows(Mark::Name) {
                 let name = shown.name.unwrap_or("");
                 let words = if is_tracking { name.to_owned() } else { format!("{name} {}", name_of(state)) };
                 overlay.label_box(last, &words, color);
             }
         }
+    }
+
+    fn color(&self, target: usize) -> Color {
+        of_target(self.ids.get(target).copied().unwrap_or(target + 1))
     }
 
     /// Ends the video. Returns a note if it has no sound, although the recording has.

@@ -96,6 +96,26 @@ impl Overlay {
         }
     }
 
+    /// Draws the path through `points`.
+    pub fn path(&mut self, points: &[(f64, f64)], color: Color) {
+        if points.iter().all(|(x, y)| x.abs() < 100_000.0 && y.abs() < 100_000.0) {
+            self.line(points, self.dot(), color, LONGEST);
+        }
+    }
+
+    /// Returns a part of the frame: `size` pixels around `centre`, moved and made smaller so that it lies in the frame. The
+    /// width and the height are even, as videos need, unless the frame has a single column or row.
+    pub fn part(&self, centre: (f64, f64), size: (u32, u32)) -> Self {
+        let even = |wanted: u32, most: u32| (wanted.min(most) & !1).max(1);
+        let (width, height) = (even(size.0, self.width), even(size.1, self.height));
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates, and is cut
+        let first =
+            |centre: f64, size: u32, most: u32| ((centre - f64::from(size) / 2.0).round() as u32).min(most - size);
+        let (left, top) = (first(centre.0, width, self.width), first(centre.1, height, self.height));
+        let pixels = (top..top + height).flat_map(|y| (left..left + width).map(move |x| self.at(x, y))).collect();
+        Self { width, height, pixels }
+    }
+
     pub fn label(&mut self, text: &str, color: Color) {
         let label = lettering(text, color);
         self.image(0, 0, &label);
@@ -202,6 +222,22 @@ mod tests {
         assert!(overlay.pixels.iter().all(|&pixel| pixel == GROUND));
         overlay.label("WIDER THAN THE FRAME", WHITE);
         assert_eq!(overlay.at(19, 0), BLACK);
+    }
+
+    #[test]
+    fn a_part_lies_in_the_frame_and_a_path_goes_through_its_points() {
+        let mut overlay = plain();
+        overlay.path(&[(2.0, 3.0), (2.0, 9.0), (8.0, 9.0)], GREEN);
+        assert_eq!(
+            [(2, 3), (2, 6), (5, 9), (8, 9), (9, 9)].map(|(x, y)| overlay.at(x, y) == GREEN),
+            [true, true, true, true, false]
+        );
+        overlay.path(&[(f64::NAN, 3.0), (1e300, 9.0)], RED);
+        let part = overlay.part((3.0, 9.0), (7, 5));
+        assert_eq!((part.size(), part.at(2, 2), part.at(3, 2), part.at(5, 3)), ((6, 4), GREEN, GREEN, GROUND));
+        for centre in [(-50.0, -50.0), (1e300, f64::NAN), (10.0, 8.0)] {
+            assert_eq!((overlay.part(centre, (99, 9)).size(), overlay.part(centre, (0, 1)).size()), ((20, 8), (1, 1)));
+        }
     }
 
     #[test]
