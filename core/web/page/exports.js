@@ -5,6 +5,7 @@ import { byId, htmlNode } from "./dom.js";
 
 const FORMATS = { csv: "CSV", json: "JSON", tld: "TLD", vot: "VOT", otb: "OTB", got10k: "GOT-10k", mot: "MOT", coco: "COCO", cvat: "CVAT XML", record: "Flight record" };
 const ONE_TARGET = "holds one target only";
+const SHOWN = { "box,name": "boxes and names", "box,name,trail": "boxes, names, trails", box: "boxes", trail: "trails", nothing: "nothing drawn" };
 const MIN_DONE = 0.05; // less says little about the time that is left
 const NO_BOX = "draw a box first";
 
@@ -16,9 +17,12 @@ const NO_BOX = "draw a box first";
 export function drawMenu(place, { formats, films }, { take, make }) {
   const boxes = ({ name, several }) => button(FORMATS[name] ?? name, { "data-several": several }, () => take(name));
   const [csv, ...others] = [...formats].sort((one, other) => (other.name === "csv") - (one.name === "csv")).map(boxes);
-  const made = make === undefined ? [] : films.map((as) => button(`Video (.${as})`, {}, () => make("film", { as })));
+  const draw = htmlNode("select", { id: "draw" }, ...Object.entries(SHOWN).map(([value, text]) => htmlNode("option", { value }, text)));
+  const crop = htmlNode("input", { type: "checkbox", id: "crop" });
+  const film = (as) => button(`Video (.${as})`, {}, () => make("film", { as, draw: draw.value, crop: crop.checked }));
+  const made = make === undefined || films.length === 0 ? [] : [...films.map(film), htmlNode("label", {}, "with ", draw), htmlNode("label", {}, crop, " cropped to the first target")];
   const lines = [
-    ["To watch and to show: the boxes drawn in", made],
+    ["To watch and to show", made],
     ["For a spreadsheet, R or Python: a line for each frame", [csv]],
     ["With curves and events, to send", make === undefined ? [] : [button("Report (.html)", {}, () => make("report", {}))]],
     ["What you have checked, as truth: a folder for host-sim eval", make === undefined ? [] : [button("Recording with truth", { id: "recording" }, () => make("recording", {}))]],

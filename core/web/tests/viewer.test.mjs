@@ -579,12 +579,18 @@ onViewer("a film and a report are made, and say where they are", async (page, { 
   }
   await dragBox(page, BOX);
   await followedAll(page);
+  await page.select("draw", "trail");
+  await page.click("#crop");
   for (const [label, name] of [["Video (.mp4)", /\.mp4$/], ["Report (.html)", /\.html$/]]) {
     await page.value(`[...document.querySelectorAll("#files button")].find((one) => one.textContent === "${label}").click()`);
     await page.until(`${name}.test(document.querySelector("#made a")?.download)`, 120);
     assert.ok((await page.value(`fetch(document.querySelector("#made a").href).then((answer) => answer.arrayBuffer()).then(({ byteLength }) => byteLength)`)) > 1000);
   }
   assert.equal(await page.value(`document.querySelectorAll("#made a").length`), 2, "the film is still there");
+  const film = await page.value(`fetch([...document.querySelectorAll("#made a")].find((one) => one.download.endsWith(".mp4")).href)
+    .then((answer) => answer.arrayBuffer()).then((bytes) => btoa(Array.from(new Uint8Array(bytes), (byte) => String.fromCharCode(byte)).join("")))`);
+  const size = spawnSync("ffprobe", ["-v", "error", "-show_entries", "stream=width,height", "-of", "csv=p=0", "-"], { input: Buffer.from(film, "base64"), encoding: "utf8" });
+  assert.equal(size.stdout.trim(), "84,84", "it is cropped");
   await page.click("#firmware summary");
   await says(page, "firmware", /Config/);
 });

@@ -306,7 +306,7 @@ impl Requests for Desk {
         Ok((file(&viewer.name, &so_far, ending), text.into_bytes()))
     }
 
-    fn made(&self, viewer: &Viewer, ending: &str) -> Result<Job> {
+    fn made(&self, viewer: &Viewer, ending: &str, look: Vec<String>) -> Result<Job> {
         let Viewer { name, source, followed, .. } = viewer;
         let is_kept = source.live().is_none();
         ensure!(is_kept, "the frames of a camera are not kept: record it with ffmpeg, and view the file");
@@ -331,6 +331,7 @@ impl Requests for Desk {
             inits(&targets),
             vec!["--method".into(), kind.name().into()],
             typed(&options),
+            look.into_iter().map(OsString::from).collect(),
             out.iter().map(OsString::from).collect(),
         ]
         .concat();

@@ -35,8 +35,9 @@ pub trait Requests: Send + Sync {
     /// Returns the name and the content of a file with the boxes of all targets.
     fn boxes(&self, viewer: &Viewer, format: &str) -> Result<(String, Vec<u8>)>;
 
-    /// Returns the command line that writes a video with boxes (`mp4`, ...) or the report (`html`).
-    fn made(&self, viewer: &Viewer, ending: &str) -> Result<Job>;
+    /// Returns the command line that writes a video with boxes (`mp4`, ...), with the options `look` of `host-sim track`, or
+    /// the report (`html`).
+    fn made(&self, viewer: &Viewer, ending: &str, look: Vec<String>) -> Result<Job>;
 
     fn firmware(&self, variant: &Variant) -> String;
 }
@@ -149,9 +150,12 @@ impl Viewer {
                 if !self.films.contains(&&*ending) {
                     bail!("no video can be made as {ending:?}: expected one of {}", self.films.join(", "));
                 }
-                self.make(&ending)?
+                let (draw, is_cropped): (Option<String>, Option<bool>) = (field(body, "draw")?, field(body, "crop")?);
+                let crop = is_cropped.unwrap_or(false).then(|| "--crop".to_owned());
+                let look = draw.map(|marks| format!("--draw={marks}")).into_iter().chain(crop).collect();
+                self.make(&ending, look)?
             }
-            (true, "report", "") => self.make("html")?,
+            (true, "report", "") => self.make("html", Vec::new())?,
             (true, "recording", "") => self.write_recording()?,
             (true, "checked", "") => {
                 self.followed.checks(field(body, "target")?, field(body, "frames")?);
@@ -327,8 +331,8 @@ impl Viewer {
         Ok(json_reply(&json!(self.made.of(id))))
     }
 
-    fn make(&self, ending: &str) -> Result<Reply> {
-        let job = self.requests.made(self, ending)?;
+    fn make(&self, ending: &str, look: Vec<String>) -> Result<Reply> {
+        let job = self.requests.made(self, ending, look)?;
         let [followed, told] = [(); 2].map(|()| Arc::clone(&self.followed));
         let say = move |note| told.tell(|log| log.say(note));
         let id = self.made.begin(job, move |id| followed.tell(|log| log.log_progress(id)), say)?;
