@@ -1,18 +1,23 @@
-//! The camera, an HM01B0 at 162x122 pixels: I2C configures it, and a PIO state machine reads its pixels bit by bit.
+//! The camera, an HM01B0 at 162x122 pixels: I2C configures it, a PIO state machine reads its pixels bit by bit, and DMA
+//! stores them, while the processor follows the target in the frame before.
 
 use embedded_hal::delay::DelayNs;
-use embedded_hal::digital::InputPin;
 use embedded_hal::i2c::I2c;
 use rp2040_hal::Timer;
+use rp2040_hal::dma::double_buffer::{self, WriteNext};
+use rp2040_hal::dma::{CH0, CH1, Channel};
 use rp2040_hal::pac::PIO0;
 use rp2040_hal::pio::{
-    Buffers, PIO, PIOBuilder, PinDir, Rx, SM0, ShiftDirection, StateMachine, Stopped, UninitStateMachine,
+    Buffers, PIO, PIOBuilder, PinDir, Running, Rx, SM0, ShiftDirection, StateMachine, Tx, UninitStateMachine,
 };
 
 /// Width in pixels: the sensor halves its QVGA picture of 324x244 pixels in both directions.
 pub const WIDTH: u16 = 162;
 pub const HEIGHT: u16 = 122;
-pub const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
+
+/// The pixels of a frame, four in a word.
+pub type Buffer = [u32; WIDTH as usize * HEIGHT as usize / 4];
+const BITS: u32 = WIDTH as u32 * HEIGHT as u32 * 8;
 
 const ADDRESS: u8 = 0x24;
 const D0_PIN: u8 = 6;
@@ -35,82 +40,99 @@ const RESET: (u16, u8) = (0x0103, 0x01);
 /// The longest wait for a frame; a frame takes less.
 const PATIENCE_MICROSECONDS: u64 = 300_000;
 
-/// A streaming camera. VSYNC may be any pin; D0, PCLK and HREF are fixed in the PIO program.
-pub struct Camera<V> {
-    vsync: V,
+type Machine = (PIO0, SM0);
+type Words = &'static mut Buffer;
+/// Fills a buffer, then a second one.
+type Transfer = double_buffer::Transfer<Channel<CH0>, Channel<CH1>, Rx<Machine>, Words, WriteNext<Words>>;
+
+/// A streaming camera. Its pins are fixed in the PIO program.
+pub struct Camera {
     timer: Timer,
-    machine: Option<StateMachine<(PIO0, SM0), Stopped>>,
-    received: Rx<(PIO0, SM0)>,
-    pixels: [u8; PIXELS],
+    _machine: StateMachine<Machine, Running>,
+    armed: Tx<Machine>,
+    /// `None` only inside of `frame`.
+    transfer: Option<Transfer>,
+    /// The third buffer, with the frame that `frame` returned last.
+    pixels: Option<Words>,
+    /// The frame that is being read came to a halt: its end will be that of another frame.
+    torn: bool,
 }
 
-impl<V: InputPin> Camera<V> {
+impl Camera {
     /// Configures the sensor and starts the stream. `None` if the sensor does not respond.
     pub fn start(
         mut bus: impl I2c,
-        vsync: V,
         mut timer: Timer,
         pio: &mut PIO<PIO0>,
-        machine: UninitStateMachine<(PIO0, SM0)>,
+        machine: UninitStateMachine<Machine>,
+        channels: (Channel<CH0>, Channel<CH1>),
+        [first, second, third]: [Words; 3],
     ) -> Option<Self> {
         write(&mut bus, RESET)?;
         timer.delay_ms(100);
         for setting in SETTINGS {
             write(&mut bus, setting)?;
         }
-        // PIO program: while HREF (GP15) is high, reads one bit at each rising edge of PCLK (GP14).
-        let program =
-            pio::pio_asm!(".wrap_target", "wait 1 gpio 15", "wait 1 gpio 14", "in pins, 1", "wait 0 gpio 14", ".wrap",);
-        let (mut machine, received, _) = PIOBuilder::from_installed_program(pio.install(&program.program).ok()?)
-            .in_pin_base(D0_PIN)
-            .in_shift_direction(ShiftDirection::Right) // the first bit is the lowest
-            .autopush(true)
-            .push_threshold(32)
-            .buffers(Buffers::OnlyRx)
-            .build(machine);
-        machine.set_pindirs([(D0_PIN, PinDir::Input), (14, PinDir::Input), (15, PinDir::Input)]);
-        Some(Self { vsync, timer, machine: Some(machine), received, pixels: [0; PIXELS] })
+        // Waits until a buffer is ready, then for the rising edge of VSYNC (GP16). While HREF (GP15) is high, reads one bit
+        // at each rising edge of PCLK (GP14).
+        let program = pio::pio_asm!(
+            ".wrap_target",
+            "pull block",
+            "mov x, osr",
+            "wait 0 gpio 16",
+            "wait 1 gpio 16",
+            "bit:",
+            "wait 1 gpio 15",
+            "wait 1 gpio 14",
+            "in pins, 1",
+            "wait 0 gpio 14",
+            "jmp x-- bit",
+            ".wrap",
+        );
+        let (mut machine, received, mut armed) =
+            PIOBuilder::from_installed_program(pio.install(&program.program).ok()?)
+                .in_pin_base(D0_PIN)
+                .in_shift_direction(ShiftDirection::Right) // the first bit is the lowest
+                .autopush(true)
+                .push_threshold(32)
+                .buffers(Buffers::RxTx)
+                .build(machine);
+        machine.set_pindirs([D0_PIN, 14, 15, 16].map(|pin| (pin, PinDir::Input)));
+        let transfer = double_buffer::Config::new(channels, received, first).start().write_next(second);
+        armed.write(BITS - 1);
+        armed.write(BITS - 1);
+        let (transfer, pixels) = (Some(transfer), Some(third));
+        Some(Self { timer, _machine: machine.start(), armed, transfer, pixels, torn: false })
     }
 
-    /// Waits for the next frame and reads it. `None` if no frame arrives in time.
+    /// Waits for the end of the frame that is being read and returns its pixels. The next frame is then being read into the
+    /// second buffer, and the third waits for the one after it. `None` if no frame ends in time.
     pub fn frame(&mut self) -> Option<&[u8]> {
         let deadline = self.timer.get_counter().ticks() + PATIENCE_MICROSECONDS;
-        let timer = self.timer;
-        let late = || timer.get_counter().ticks() > deadline;
-        while self.vsync.is_high().ok()? {
-            if late() {
-                return None;
-            }
+        self.next(deadline)?;
+        if self.torn {
+            self.next(deadline)?;
+            self.torn = false;
         }
-        while self.vsync.is_low().ok()? {
-            if late() {
-                return None;
-            }
-        }
-        let mut machine = self.machine.take()?;
-        machine.clear_fifos();
-        let mut machine = machine.start();
-        // Drops remaining bits of the previous frame.
-        machine.restart();
-        let complete = self.read(late);
-        self.machine = Some(machine.stop());
-        complete.then_some(&self.pixels)
+        let words: &[u32] = self.pixels.as_deref()?;
+        // SAFETY: any four bytes are a word, and bytes need no alignment.
+        let (_, pixels, _) = unsafe { words.align_to() };
+        Some(pixels)
     }
 
-    /// Reads a frame in words of four pixels, faster than the words arrive. Returns false if a word is missing after
-    /// the deadline (`late`).
-    fn read(&mut self, late: impl Fn() -> bool) -> bool {
-        for four in self.pixels.chunks_exact_mut(4) {
-            let word = loop {
-                match self.received.read() {
-                    Some(word) => break word,
-                    None if late() => return false,
-                    None => {}
-                }
-            };
-            four.copy_from_slice(&word.to_le_bytes());
+    /// Waits for the end of a frame, makes it `pixels`, and gives the buffer that it takes the place of to the camera.
+    fn next(&mut self, deadline: u64) -> Option<()> {
+        while !self.transfer.as_ref()?.is_done() {
+            if self.timer.get_counter().ticks() > deadline {
+                self.torn = true;
+                return None;
+            }
         }
-        true
+        let (full, transfer) = self.transfer.take()?.wait();
+        let empty = self.pixels.replace(full)?;
+        self.transfer = Some(transfer.write_next(empty));
+        self.armed.write(BITS - 1);
+        Some(())
     }
 }
 

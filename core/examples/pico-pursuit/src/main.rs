@@ -4,19 +4,23 @@
 #![no_main]
 
 mod camera;
+mod paper;
 
-use camera::{Camera, HEIGHT, WIDTH};
+use camera::{Buffer, Camera, HEIGHT, WIDTH};
 use core::convert::Infallible;
+use cortex_m::singleton;
 use embedded_hal::digital::InputPin;
 use panic_halt as _;
+use paper as tracker;
+use rp2040_hal::dma::DMAExt;
 use rp2040_hal::fugit::RateExtU32;
 use rp2040_hal::gpio::{FunctionI2C, FunctionPio0, Pin, Pins, PullNone, PullUp};
 use rp2040_hal::pio::PIOExt;
 use rp2040_hal::pwm::Slices;
 use rp2040_hal::{Clock, I2C, Sio, Timer, Watchdog, clocks, pac};
-use smr_core::paper::{Config, Fraction, Radius};
 use smr_core::pursuit::{self, Axis, Pursuit, PursuitConfig, Servo};
-use smr_core::{Frame, Image, Paper, Rect, Target, Tracker};
+use smr_core::{Answer, Frame, Image, Rect, State, Target, Tracker};
+use tracker::{Chosen, TARGET_PIXELS};
 
 /// The second stage of the boot loader, which `memory.x` places. (`link_section` is `unsafe`: it can name any section.)
 #[unsafe(link_section = ".boot2")]
@@ -31,19 +35,14 @@ const PWM_TOP: u16 = 62_499;
 
 /// Focal length of your lens: n * d / w, if an object of width w at distance d covers n pixels.
 const FOCAL_LENGTH_PIXELS: f32 = 160.0;
-/// Width and height of the target in pixels. When the button is pressed, the target must be in the middle of the frame.
-const TARGET_PIXELS: u16 = 24;
 
 /// Limits of an axis: 60 degrees to each side, for pulses of 900 to 2100 microseconds. Measure your own servos.
 const AXIS: Axis = {
     let mut axis = Axis::new(-1.05, 1.05);
-    axis.gain_per_second = 3.0;
+    axis.gain_per_second = tracker::GAIN_PER_SECOND;
     axis
 };
 const SERVO: Servo = Servo::new(900, 2100);
-
-/// The paper tracker. With enough memory and speed, use `smr_core::Robust` and its configuration instead.
-type SmallTarget = Paper<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
 
 #[rp2040_hal::entry]
 fn main() -> ! {
@@ -91,24 +90,34 @@ fn run() -> Option<Infallible> {
     let _d0: Pin<_, FunctionPio0, PullNone> = pins.gpio6.reconfigure();
     let _pclk: Pin<_, FunctionPio0, PullNone> = pins.gpio14.reconfigure();
     let _href: Pin<_, FunctionPio0, PullNone> = pins.gpio15.reconfigure();
+    let _vsync: Pin<_, FunctionPio0, PullNone> = pins.gpio16.reconfigure();
     let (mut pio, machine, ..) = chip.PIO0.split(&mut chip.RESETS);
-    let mut camera = Camera::start(bus, pins.gpio16.into_floating_input(), timer, &mut pio, machine)?;
+    let dma = chip.DMA.split(&mut chip.RESETS);
+    let buffers = [singleton!(: Buffer = [0; _])?, singleton!(: Buffer = [0; _])?, singleton!(: Buffer = [0; _])?];
+    let mut camera = Camera::start(bus, timer, &mut pio, machine, (dma.ch0, dma.ch1), buffers)?;
 
     let mut button = pins.gpio22.into_pull_up_input();
-    let mut tracker = Tracker::<SmallTarget>::with(tracker_config()).ok()?;
+    let mut tracker = Tracker::<Chosen>::with(tracker::config()).ok()?;
     let mut before = timer.get_counter();
-    loop {
+    for update in (0..tracker::UPDATES_PER_TEMPLATE).cycle() {
         let pressed = button.is_low().ok()?;
         let pixels = camera.frame();
         let now = timer.get_counter();
         let elapsed_seconds = now.checked_duration_since(before)?.to_micros() as f32 / 1e6;
         before = now;
-        let frame = pixels.and_then(|pixels| frame_to_search(&mut tracker, pixels, pressed));
-        match frame {
-            Some(frame) => pursuit.follow(&mut tracker, &frame, elapsed_seconds).ok()?.commanded.ok()?,
-            None => pursuit.wait(elapsed_seconds).ok()?,
+        let Some(frame) = pixels.and_then(|pixels| frame_to_search(&mut tracker, pixels, pressed)) else {
+            pursuit.wait(elapsed_seconds).ok()?;
+            continue;
         };
+        let followed = pursuit.follow(&mut tracker, &frame, elapsed_seconds).ok()?;
+        followed.commanded.ok()?;
+        if update == tracker::UPDATES_PER_TEMPLATE - 1 {
+            lock_again(&mut tracker, &frame, &followed.answer);
+            let (right, down) = pursuit.picture_motion();
+            tracker.moved(right, down);
+        }
     }
+    None
 }
 
 /// Locks on the middle of the frame and returns `None` if the button is pressed. Otherwise returns the frame for an
@@ -123,11 +132,10 @@ fn frame_to_search<'a, T: Target>(tracker: &mut Tracker<T>, pixels: &'a [u8], pr
     tracker.window().map(|_| frame)
 }
 
-fn tracker_config() -> Config {
-    let mut config = Config::camera();
-    config.window = Radius { x: 10, y: 10 };
-    config.window_limit = Radius { x: 16, y: 16 };
-    // Rejects a peak hardly above the runner-up, so that the head does not follow an object in front of the target.
-    config.gate_tracking = Fraction::new(5, 4);
-    config
+/// Takes a new template where the target was found, if it was.
+fn lock_again<T: Target>(tracker: &mut Tracker<T>, frame: &Frame<'_>, found: &Answer) {
+    if found.state == State::Tracking {
+        // A box that is partly outside of the frame keeps its template.
+        let _ = tracker.lock(frame, found.bbox);
+    }
 }
