@@ -4,14 +4,20 @@
 #![no_main]
 
 mod camera;
+#[cfg(not(feature = "robust"))]
 mod paper;
+#[cfg(feature = "robust")]
+mod robust;
 
 use camera::{Buffer, Camera, HEIGHT, WIDTH};
 use core::convert::Infallible;
 use cortex_m::singleton;
 use embedded_hal::digital::InputPin;
 use panic_halt as _;
+#[cfg(not(feature = "robust"))]
 use paper as tracker;
+#[cfg(feature = "robust")]
+use robust as tracker;
 use rp2040_hal::dma::DMAExt;
 use rp2040_hal::fugit::RateExtU32;
 use rp2040_hal::gpio::{FunctionI2C, FunctionPio0, Pin, Pins, PullNone, PullUp};
