@@ -4,14 +4,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Rig } from "./rig.mjs";
+import { swing } from "./scene.mjs";
 
 /** Seconds at which it swings, stands, is hidden and is seen again, and at which the camera stops and goes on. */
 const [SWINGS, STANDS, STOPS, GOES_ON, HIDDEN, BACK, END] = [0.8, 7.8, 8.8, 9.5, 10.5, 15, 16.5];
-
-function swing(seconds) {
-  const grown = Math.min(1, seconds / 2);
-  return { x: 60 * Math.sin(0.9 * seconds) * grown, y: 25 * Math.sin(0.6 * seconds) * grown };
-}
 
 function target(seconds) {
   if (seconds > HIDDEN && seconds < BACK) return null;

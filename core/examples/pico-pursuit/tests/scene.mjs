@@ -33,6 +33,12 @@ export class Servo {
   }
 }
 
+/** Where a target is that swings by 60 pixels to the sides and by 25 up and down, larger and larger at first. */
+export function swing(seconds) {
+  const grown = Math.min(1, seconds / 2);
+  return { x: 60 * Math.sin(0.9 * seconds) * grown, y: 25 * Math.sin(0.6 * seconds) * grown };
+}
+
 export class Scene {
   /** `target(seconds)` is where the target's centre is on the wall, {x, y} in pixels, or null if it is hidden. */
   constructor(target, now) {
