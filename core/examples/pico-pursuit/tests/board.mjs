@@ -33,7 +33,6 @@ export class Board {
     core.PC = this.mcu.readUint32(VECTORS + 4) & ~1;
     // `rp2040js` steps a PIO by a timer of the host. Here `pass` steps it.
     for (const pio of this.mcu.pio) pio.run = () => {};
-    this.machines = this.mcu.pio.flatMap((pio) => pio.machines);
   }
 
   get seconds() {
@@ -68,9 +67,12 @@ export class Board {
 
   /** A machine that waits is woken by the pin or the FIFO that it waits for, not by time. */
   stepPio(cycles) {
-    for (const machine of this.machines) {
-      if (!machine.enabled) continue;
-      for (let left = cycles; left > 0 && !machine.waiting; left--) machine.step();
+    for (const pio of this.mcu.pio) {
+      if (pio.stopped) continue;
+      for (const machine of pio.machines) {
+        if (!machine.enabled) continue;
+        for (let left = cycles; left > 0 && !machine.waiting; left--) machine.step();
+      }
     }
   }
 }

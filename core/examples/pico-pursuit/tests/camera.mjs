@@ -22,9 +22,6 @@ export class Camera {
     this.sent = null;
     this.frames = 0;
     this.onFrame = () => {};
-    /** Stops the clock after that many rows of the next frame, as a loose cable would. */
-    this.stopAtRow = null;
-    this.stopped = false;
     this.connect(mcu.i2c[0]);
     this.row = this.column = this.bit = 0;
     this.high = false;
@@ -83,10 +80,6 @@ export class Camera {
     if (this.high) this.fall();
     else this.pins.pclk.setInputValue(true);
     this.high = !this.high;
-    if (this.stopped) {
-      this.cycles = Infinity;
-      return;
-    }
     this.remainder += this.halfBit;
     this.settle();
   }
@@ -118,17 +111,17 @@ export class Camera {
     // VSYNC rises a row before the first one.
     if (this.row === this.rows - 1) vsync.setInputValue(true);
     if (this.row >= HEIGHT) return;
-    if (this.row === this.stopAtRow) {
-      this.stopAtRow = null;
-      this.stopped = true;
-    }
     this.sending.set(this.scene.row(this.row), this.row * WIDTH);
     href.setInputValue(true);
   }
 
+  /** The clock stops, as with a loose wire. */
+  stop() {
+    this.cycles = Infinity;
+  }
+
   /** The clock comes back: the sensor begins with a new frame. */
   resume() {
-    this.stopped = false;
     this.row = this.rows - 1;
     this.column = this.columns - 1;
     this.bit = 0;

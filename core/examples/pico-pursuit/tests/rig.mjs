@@ -75,6 +75,12 @@ export class Rig {
     while (this.camera.frames < count) this.board.step();
   }
 
+  /** Runs until the camera sends the middle of a frame that DMA stores. */
+  untilMidFrame() {
+    const storing = () => this.board.mcu.dma.channels.some((channel) => channel.active && channel.transCount < PIXELS / 8);
+    while (!storing()) this.board.step();
+  }
+
   untilSecond(seconds) {
     while (this.board.seconds < seconds) this.board.step();
   }
