@@ -73,8 +73,8 @@ impl Camera {
         for setting in SETTINGS {
             write(&mut bus, setting)?;
         }
-        // Waits until a buffer is ready, then for the rising edge of VSYNC (GP16). While HREF (GP15) is high, reads one bit
-        // at each rising edge of PCLK (GP14).
+        // Waits until a buffer is ready, then for the rising edge of VSYNC (GP16). While HREF (GP15) is high, reads one
+        // bit at each rising edge of PCLK (GP14).
         let program = pio::pio_asm!(
             ".wrap_target",
             "pull block",
@@ -105,14 +105,18 @@ impl Camera {
         Some(Self { timer, _machine: machine.start(), armed, transfer, pixels, torn: false })
     }
 
-    /// Waits for the end of the frame that is being read and returns its pixels. The next frame is then being read into the
-    /// second buffer, and the third waits for the one after it. `None` if no frame ends in time.
+    /// Returns the pixels of the newest frame, or of the next one if that was returned before. The frame after it is
+    /// then being read into the second buffer, and the third waits. `None` if no frame ends in time.
     pub fn frame(&mut self) -> Option<&[u8]> {
         let deadline = self.timer.get_counter().ticks() + PATIENCE_MICROSECONDS;
         self.next(deadline)?;
         if self.torn {
             self.next(deadline)?;
             self.torn = false;
+        }
+        // An update can take longer than a frame.
+        while self.transfer.as_ref()?.is_done() {
+            self.next(deadline)?;
         }
         let words: &[u32] = self.pixels.as_deref()?;
         // SAFETY: any four bytes are a word, and bytes need no alignment.

@@ -8,7 +8,7 @@ use smr_core::paper::{Config, Fraction, Margins, Radius};
 pub const TARGET_PIXELS: u16 = 24;
 pub type Chosen = Paper<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
 
-/// Speed of the head per error. Times the delay from a picture to its pulse, which the README states, it stays below 1/2.
+/// Speed of the head per error. Times the delay from a picture to its pulse (see the README) it stays below 1/2.
 pub const GAIN_PER_SECOND: f32 = 8.0;
 /// Updates from one template to the next. Each template can be off by half a pixel. With a new one in every update, a
 /// slow target would move by less than that, and be learnt without being followed.

@@ -12,8 +12,8 @@ pub const GAIN_PER_SECOND: f32 = 4.0;
 /// It learns in updates, and needs no new lock.
 pub const UPDATES_PER_TEMPLATE: u32 = u32::MAX;
 
-/// A smaller window than the preset's, in which a target is searched in half the time, and less of the picture in each frame in
-/// which it is lost: a head that gets its commands late must turn slowly.
+/// A smaller window than the preset's, and less of the picture in each frame in which the target is lost: an update
+/// that takes longer delays the head, which must then turn more slowly.
 pub const fn config() -> Config {
     let mut config = Config::robust();
     config.reach = 5;
