@@ -13,7 +13,10 @@ function target(seconds) {
   return { x: PLACE.x * part, y: PLACE.y * part };
 }
 
-/** The sensor's registers as its data sheet wants them for one bit per clock and a picture of 162x122. */
+/**
+ * [register, value]: reset, one bit per clock, half of the columns and rows, 128 rows of 215 clocks, stream. No sensor has
+ * confirmed them.
+ */
 const REGISTERS = [
   [0x0103, 0x01], [0x3059, 0x22], [0x0383, 0x03], [0x0387, 0x03], [0x0390, 0x03], [0x3010, 0x01], [0x0340, 0x00],
   [0x0341, 0x80], [0x0342, 0x00], [0x0343, 0xd7], [0x3060, 0x08], [0x0104, 0x01], [0x0100, 0x01],

@@ -6,7 +6,7 @@ const FLOAT_TABLE = 0x1000;
 /** The ROM's float functions that have an address in `FLOAT_TABLE`: 32 of 4 bytes. */
 const FLOAT_TABLE_SIZE = 0x80;
 
-/** Cycles that a call is charged, as the RP2040's data sheet gives them for the maker's ROM, rounded up. */
+/** Cycles that a call is charged: estimates of those that the maker's ROM takes. */
 const FLOAT_CYCLES = 75;
 const BITS_CYCLES = 20;
 const copyCycles = (bytes) => 30 + bytes;
