@@ -1,4 +1,4 @@
-//! The paper tracker on a Pico, with settings for small targets and some 50 frames a second.
+//! The paper tracker on a Pico, with settings for small targets and many frames a second.
 
 use crate::camera::{HEIGHT, WIDTH};
 use smr_core::Paper;
