@@ -15,13 +15,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-const DOCUMENTS: [&str; 14] = [
+const DOCUMENTS: [&str; 15] = [
     "README.md",
     "core/README.md",
     "core/EVIDENCE.md",
     "core/SAFETY.md",
     "core/c/README.md",
     "core/c/packages/README.md",
+    "core/examples/pico-pursuit/README.md",
     "core/micropython/README.md",
     "core/python/README.md",
     "core/src/image/readout.rs",
