@@ -105,6 +105,7 @@ fn run() -> Option<Infallible> {
     let mut button = pins.gpio22.into_pull_up_input();
     let mut tracker = Tracker::<Chosen>::with(tracker::config()).ok()?;
     let mut before = timer.get_counter();
+    let mut sure = false;
     for update in (0..tracker::UPDATES_PER_TEMPLATE).cycle() {
         let pressed = button.is_low().ok()?;
         let pixels = camera.frame();
@@ -115,13 +116,19 @@ fn run() -> Option<Infallible> {
             pursuit.wait(elapsed_seconds).ok()?;
             continue;
         };
-        let followed = pursuit.follow(&mut tracker, &frame, elapsed_seconds).ok()?;
-        followed.commanded.ok()?;
+        let answer = tracker.update(&frame).ok()?;
+        // What was found after a loss turns the head only when the tracker is sure: it may be a piece of the background.
+        sure = match answer.state {
+            State::Tracking | State::Leaving => true,
+            State::Uncertain => sure,
+            _ => false,
+        };
+        if sure { pursuit.steer(&answer, elapsed_seconds) } else { pursuit.wait(elapsed_seconds) }.ok()?;
         if update == tracker::UPDATES_PER_TEMPLATE - 1 {
-            lock_again(&mut tracker, &frame, &followed.answer);
-            let (right, down) = pursuit.picture_motion();
-            tracker.moved(right, down);
+            lock_again(&mut tracker, &frame, &answer);
         }
+        let (right, down) = pursuit.picture_motion();
+        tracker.moved(right, down);
     }
     None
 }
