@@ -5,7 +5,7 @@ use anyhow::{Context, Error, Result, bail};
 use std::str::FromStr;
 
 /// Estimated cycles in millions, for each processor: the rows `cycles` of `tests/results/chips.json`, measured on the
-/// first 30 frames of `street`. `SMR_RECORD=1 cargo test -p smr-tests --test crates figures` writes the file.
+/// first 30 frames of `street`. Then the ratios of instructions to those of the Cortex-M4. `SMR_RECORD=1 cargo test -p smr-tests --test crates figures` writes the file.
 pub const CYCLES: &str = include_str!("cycles.txt");
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ pub const CHIPS: &[Chip] = {
         chip("ra4m1", CortexM4, 48, 32),
         chip("ra8d1", CortexM85, 480, 1024),
         chip("imxrt1062", CortexM7, 600, 1024),
-        chip("ensemble-e3", CortexM55, 400, 5120),
+        chip("ensemble-e3", CortexM55, 400, 13_824),
         chip("himax-we2", CortexM55, 400, 2457),
         chip("max78000", CortexM4, 100, 128),
         chip("cxd5602", CortexM4, 156, 1536),
@@ -122,17 +122,16 @@ impl Processor {
         }
     }
 
-    /// Instructions of an update, as a multiple of the Cortex-M4's: `RATIOS` of `tests/results/tables/boards.py`.
-    const fn ratio(self, tracker: Tracker) -> f64 {
-        match (self, tracker) {
-            (Self::RiscV, Tracker::Paper) => 1.8,
-            (Self::RiscV, Tracker::Robust) => 2.2,
-            (Self::RiscV, Tracker::Refined) => 2.9,
-            (Self::Xtensa, Tracker::Paper) => 2.2,
-            (Self::Xtensa, Tracker::Robust) => 2.7,
-            (Self::Xtensa, Tracker::Refined) => 3.9,
-            _ => 1.0,
-        }
+    /// Returns the instructions of an update, as a multiple of the Cortex-M4's.
+    fn ratio(self, tracker: Tracker) -> Result<f64> {
+        let name = match self {
+            Self::RiscV => "riscv",
+            Self::Xtensa => "xtensa",
+            _ => return Ok(1.0),
+        };
+        let row = CYCLES.lines().find_map(|row| row.strip_prefix(name)?.strip_prefix(" | "));
+        let ratio = row.and_then(|row| row.split("; ").nth(tracker as usize));
+        Ok(ratio.context("no ratio of this processor")?.parse()?)
     }
 
     /// Returns the cycles of the median update, and of the most expensive one, on the first frames of `street`.
@@ -146,7 +145,8 @@ impl Processor {
         let cell = row.split(" | ").nth(1 + self.column()).context("no cycles of this processor")?;
         let millions: Vec<f64> = cell.split("; ").map(str::parse).collect::<Result<_, _>>()?;
         let [median, most] = millions[..] else { bail!("{cell}: expected two numbers of cycles") };
-        Ok([median, most].map(|millions| millions * 1e6 * self.ratio(tracker)))
+        let ratio = self.ratio(tracker)?;
+        Ok([median, most].map(|millions| millions * 1e6 * ratio))
     }
 
     /// Returns the cycles of a unit of the tracker's work, in the median update on `street` and in the most expensive one.
