@@ -169,34 +169,39 @@ impl<'a> Scorer<'a> {
         let (width, height, right, bottom) = (template.width(), template.height(), seen.right(), seen.bottom());
         let [over, left] = [seen.y, seen.x].map(|size| u16::try_from(size).unwrap_or(0));
         let rest = |all: u16, from: i32| u16::try_from(i32::from(all) - from).unwrap_or(0);
-        let parts = [
+        let mut sum = 0;
+        for part in [
             Rect::new(0, 0, width, over),
             Rect::new(0, bottom, width, rest(height, bottom)),
             Rect::new(0, seen.y, left, seen.height),
             Rect::new(right, seen.y, rest(width, right), seen.height),
-        ];
-        parts.into_iter().filter_map(|part| template.crop(part)).map(|part| self.score_of_black(part)).sum()
+        ] {
+            sum += self.score_on_black(template, part);
+        }
+        sum
     }
 
-    /// The score of a template on black pixels.
+    /// The score of this part of a template on black pixels; 0 if the part is empty.
     #[cfg(smr_swar)]
-    fn score_of_black(&self, template: Image<'_>) -> u32 {
-        swar::score_of_black(template, self.plain.table)
+    #[inline(always)]
+    fn score_on_black(&self, template: Image<'_>, part: Rect) -> u32 {
+        template.crop(part).map_or(0, |template| swar::score_on_black(template, self.plain.table))
     }
 
-    /// The score of a template on black pixels.
+    /// The score of this part of a template on black pixels; 0 if the part is empty.
     #[cfg(not(smr_swar))]
-    fn score_of_black(&self, template: Image<'_>) -> u32 {
-        let (mut sum, mut left) = (0, 0);
-        while left < template.width() {
-            let part = Rect::new(left.into(), 0, (template.width() - left).min(BLACK_PIXELS.into()), template.height());
+    #[inline(always)]
+    fn score_on_black(&self, template: Image<'_>, mut part: Rect) -> u32 {
+        let (mut sum, end) = (0, part.right());
+        while part.x < end {
+            part.width = u16::try_from((end - part.x).min(BLACK_PIXELS.into())).unwrap_or(0);
             if let Some(template) = template.crop(part)
                 && let Some(black) = Image::repeated(&BLACK, part.width, part.height)
             {
                 sum +=
                     by_backend!(&self.ready, Ready(kernels) => kernels.score_at_least(black, template, 0)).unwrap_or(0);
             }
-            left += part.width;
+            part.x += i32::from(part.width);
         }
         sum
     }

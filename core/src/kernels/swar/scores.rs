@@ -136,7 +136,7 @@ impl Scores for Swar<'_> {
 /// The score of a template on black pixels.
 #[cfg(smr_swar)]
 #[inline(never)]
-pub(crate) fn score_of_black(template: Image<'_>, table: &CutTable) -> u32 {
+pub(crate) fn score_on_black(template: Image<'_>, table: &CutTable) -> u32 {
     let rows = Rows::of(template, template);
     let mut sum = 0;
     for y in 0..rows.height {
