@@ -122,7 +122,13 @@ pub struct Eval {
     /// the recording `street` in the median and in the most expensive update, and the larger one counts: they differ by less than 8 % for
     /// the robust tracker, and by less than 80 % for the paper's. Memory waits and the camera are not counted. Cycles of RISC-V and Xtensa
     /// are the Cortex-M4's times a ratio of instructions. RAM is that of target, workspace and the most pixels that an update has read.
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["compare", "robustness", "init", "inclusive", "method", "config", "set", "backend", "step"])]
+    #[arg(
+        long,
+        value_name = "NAME",
+        conflicts_with_all = [
+            "compare", "robustness", "starts", "every", "against", "init", "inclusive", "method", "config", "set", "backend", "step",
+        ],
+    )]
     chip: Option<Chip>,
     /// With --chip: the frames a second that the chip must reach [default: 30]
     #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=65535), requires = "chip")]
@@ -146,7 +152,7 @@ struct TableOptions {
     /// The form of the tables
     #[arg(long, value_enum, default_value_t, conflicts_with = "json")]
     format: Layout,
-    /// With --format csv: the table to print [default: measured]
+    /// With --format csv: the table to print [default: measured; with --chip: candidates]
     #[arg(long, value_enum, conflicts_with = "json")]
     part: Option<TableName>,
 }
@@ -162,9 +168,13 @@ impl TableOptions {
         Ok(())
     }
 
-    fn print(&self, tables: &Tables) -> Result<()> {
+    /// Prints the tables; as CSV the first of `known`, unless `--part` names another one.
+    fn print(&self, tables: &Tables, known: &[TableName]) -> Result<()> {
         let text = match self.format {
-            Layout::Csv => tables.csv(self.part.unwrap_or(TableName::Measured)).context("there is no such table")?,
+            Layout::Csv => {
+                let part = self.part.or(known.first().copied()).context("there is no table")?;
+                tables.csv(part).with_context(|| format!("there is no table {}", part.text()))?
+            }
             layout => tables.text(layout),
         };
         tell(self.json, tables, |_, out| out.write_all(text.as_bytes()))
@@ -194,7 +204,8 @@ impl Protocol {
 impl Eval {
     pub fn run(mut self) -> Result<Outcome> {
         let protocol = self.protocol()?;
-        self.tables.check(protocol.tables())?;
+        let known = protocol.tables();
+        self.tables.check(known)?;
         let says_nothing = self.says_nothing();
         if self.method.is_empty() {
             let is_fault = matches!(protocol, Protocol::Faults(_) | Protocol::Cover);
@@ -249,7 +260,7 @@ impl Eval {
         }
         let failed = count_failures(failures, is_empty)?;
         notes.iter().for_each(|note| complain(&format!("note: {note}")));
-        self.tables.print(&tables?)?;
+        self.tables.print(&tables?, known)?;
         if let Some(signal) = signals::stopped_by() {
             return Ok(Outcome::Stopped(signal));
         }

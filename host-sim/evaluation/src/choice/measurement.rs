@@ -4,7 +4,8 @@ use crate::faults::{self, LEAD};
 use crate::matrix::{Case, Protocol, Record, Recording};
 use crate::robustness::Starts;
 use crate::{Run, Score, Variant};
-use anyhow::Result;
+use anyhow::{Result, ensure};
+use smr_core::Rect;
 use smr_recordings::fault::Fault;
 
 pub(super) struct Choice<'a> {
@@ -38,9 +39,26 @@ impl Protocol for Choice<'_> {
     const IS_COMMON: bool = false;
 
     fn cases(&self, place: usize, recording: &Recording) -> Result<Vec<Case>> {
+        let Recording { name, truth, .. } = recording;
+        ensure!(
+            truth.iter().skip(1).any(Option::is_some),
+            "{name}: the target is visible in the first frame only: expected frames in which it is followed"
+        );
         let mut cases = Starts::Near.cases(place, recording)?;
-        // A recording that is too short for the faults counts without them.
-        cases.extend(faults::runs(self.faults, recording).unwrap_or_default());
+        let (bounds, Rect { x, y, width, height }) =
+            (recording.bounds(), cases.first().map_or(Rect::default(), |case| case.target));
+        ensure!(
+            bounds.contains(Rect { x, y, width, height }),
+            "{name}: the first box {x},{y},{width},{height} (x,y,width,height) is not wholly inside the frame of {}x{} pixels",
+            bounds.width,
+            bounds.height
+        );
+        // If not all faults fit, a recording counts with those that do.
+        match faults::runs(self.faults, recording) {
+            Ok(all) => cases.extend(all),
+            Err(_) => cases
+                .extend(self.faults.iter().flat_map(|&fault| faults::runs(&[fault], recording).unwrap_or_default())),
+        }
         Ok(cases)
     }
 
@@ -79,6 +97,15 @@ impl Measurement {
             work: record.runs.into_iter().flat_map(|(_, run)| run.work).collect(),
             sequence: record.sequence,
         }
+    }
+
+    /// Returns the note that this recording counts without some of `faults`.
+    pub fn without(&self, faults: &[Fault]) -> Option<String> {
+        let missing = faults.iter().zip(&self.faults).filter(|(_, figure)| figure.is_none());
+        let missing: Vec<String> = missing.map(|(fault, _)| fault.to_string()).collect();
+        (!missing.is_empty()).then(|| {
+            format!("{}: too short a visible part for {}: it counts without", self.sequence, missing.join(", "))
+        })
     }
 
     /// The mean of `clean` and of the mean over the faults; without faults `clean`.

@@ -16,6 +16,7 @@ use anyhow::Result;
 use candidate::Candidate;
 use decision::Row;
 use measurement::{Choice, Measurement};
+use smr_files::signals;
 use smr_recordings::Sequence;
 use smr_recordings::fault::Fault;
 use std::path::{Path, PathBuf};
@@ -48,16 +49,21 @@ pub fn measure(
     }
     let most = measured.iter().map(Vec::len).max().unwrap_or(0);
     let whole = measured.iter().find(|own| own.len() == most).map_or(&[][..], Vec::as_slice);
-    let is_short = |one: &&Measurement| !faults.is_empty() && one.faults.iter().all(Option::is_none);
-    let note = |one: &Measurement| format!("{}: too short for the faults: it counts without them", one.sequence);
-    let notes = whole.iter().filter(is_short).map(note).collect();
     // A candidate that failed on a recording is not compared with the others: its error says why.
     let names = |own: &[Measurement]| own.iter().map(|one| one.sequence.clone()).collect::<Vec<_>>();
-    let complete = candidates.iter().zip(&measured).filter(|(_, own)| !is_empty && names(own) == names(whole));
-    let rows: Result<Vec<Row<'_>>> = complete.map(|(candidate, own)| Row::of(candidate, own, wanted)).collect();
-    Measured { tables: rows.map(|rows| tables(&rows, wanted, faults)), failures, notes, is_empty }
+    let is_complete = |own: &[Measurement]| !is_empty && names(own) == names(whole);
+    let (complete, others): (Vec<_>, Vec<_>) = candidates.iter().zip(&measured).partition(|(_, own)| is_complete(own));
+    let mut notes: Vec<String> = whole.iter().filter_map(|one| one.without(faults)).collect();
+    if !others.is_empty() && !is_empty {
+        let others: Vec<&str> = others.iter().map(|(candidate, _)| candidate.variant.name.as_str()).collect();
+        notes.push(format!("not measured on every recording, and not in the table: {}", others.join("; ")));
+    }
+    let rows: Result<Vec<Row<'_>>> =
+        complete.into_iter().map(|(candidate, own)| Row::of(candidate, own, wanted)).collect();
+    let is_stopped = signals::is_stopped();
+    Measured { tables: rows.map(|rows| tables(&rows, wanted, faults, is_stopped)), failures, notes, is_empty }
 }
 
-fn tables(rows: &[Row<'_>], wanted: &Wanted, faults: &[Fault]) -> Tables {
-    if rows.is_empty() { Tables::default() } else { tables::of(rows, wanted, faults) }
+fn tables(rows: &[Row<'_>], wanted: &Wanted, faults: &[Fault], is_stopped: bool) -> Tables {
+    if rows.is_empty() { Tables::default() } else { tables::of(rows, wanted, faults, is_stopped) }
 }

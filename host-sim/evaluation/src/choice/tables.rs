@@ -11,13 +11,18 @@ use std::fmt::Write;
 /// Recordings below which the text says how little they are.
 const FEW: usize = 5;
 
-pub(super) fn of(rows: &[Row<'_>], wanted: &Wanted, faults: &[Fault]) -> Tables {
-    let decision = choose(rows, wanted);
+/// Makes the tables. After a stop there is no choice, because not all was measured.
+pub(super) fn of(rows: &[Row<'_>], wanted: &Wanted, faults: &[Fault], is_stopped: bool) -> Tables {
+    let decision = choose(rows, wanted).filter(|_| !is_stopped);
     let mut candidates = Table::new(TableName::Candidates, 1, heads(wanted, faults));
     for at in 0..rows.len() {
         candidates.row(cells(rows, at, decision, wanted));
     }
-    let sentence = sentence(rows, decision, wanted);
+    let sentence = if is_stopped {
+        "none, because the measurement was stopped.".to_owned()
+    } else {
+        sentence(rows, decision, wanted)
+    };
     let remarks = remarks(rows, decision, wanted, &sentence);
     Tables { tables: vec![candidates, choice(rows, decision, wanted, sentence)], remarks }
 }
@@ -198,7 +203,9 @@ fn little(recordings: usize) -> String {
                 "{recordings} recordings are few: their standard errors are themselves uncertain by {uncertain:.0} %. {end}"
             )
         }
-        _ => format!("{recordings} recordings; +- is the standard error of the mean over them."),
+        _ => format!(
+            "{recordings} recordings; +- is the standard error of the mean over them. It is too small if some are parts of one clip."
+        ),
     }
 }
 
