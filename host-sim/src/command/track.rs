@@ -56,7 +56,7 @@ pub struct Track {
     /// (`| head`), host-sim still finishes the video.
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
-    /// What the video shows, separated by commas [default: box,name]
+    /// The parts drawn in the video, separated by commas [default: box,name]
     #[arg(long, value_enum, value_name = "MARK", value_delimiter = ',')]
     draw: Vec<Mark>,
     /// Cut the video to a square around the target, which stays in its middle; of several targets, around the first

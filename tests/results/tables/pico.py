@@ -26,7 +26,7 @@ def estimated(elf, counts):
 
 
 def pico(programs):
-    """What `.ci/pico all` prints, and the cycles of a dozen frames."""
+    """Figures that `.ci/pico all` prints, and the cycles of a dozen frames."""
     programs.said(".ci/pico all")
     said = run([".ci/pico", "all"], cwd=ROOT)
     if missing := re.search(r"^skipped: pico: (.*)", said, re.MULTILINE):

@@ -11,7 +11,7 @@ fn write(address: usize, value: u32) {
 }
 
 fn read(address: usize) -> u32 {
-    // SAFETY: as in `write`.
+    // SAFETY: the callers name registers of this board's chip.
     unsafe { with_exposed_provenance_mut::<u32>(address).read_volatile() }
 }
 
