@@ -193,6 +193,33 @@ impl Folder {
         self.file(name)?.end(bytes)
     }
 
+    /// Returns the path of the temporary folder, for another writer to fill.
+    pub fn path(&self) -> &Path {
+        self.made.path()
+    }
+
+    /// Like `finish`, but gives the folder the first of `names` that nothing has, and returns it.
+    pub fn finish_new(self, names: impl IntoIterator<Item = PathBuf>) -> Result<PathBuf> {
+        let Self { name, made, _kept, .. } = self;
+        let finish = || -> io::Result<PathBuf> {
+            let is_there = |name: &Path| fs::symlink_metadata(name).is_ok();
+            for name in names.into_iter().filter(|name| !is_there(name)) {
+                match fs::rename(made.path(), &name) {
+                    // Another program has taken the name meanwhile.
+                    Err(_) if is_there(&name) => {}
+                    renamed => {
+                        renamed?;
+                        // The rename has moved the temporary folder, so nothing is left to remove.
+                        let _ = made.keep();
+                        return Ok(name);
+                    }
+                }
+            }
+            Err(io::Error::other("no name is free"))
+        };
+        cleanup::undisturbed(finish).with_context(|| cannot_make(&name))
+    }
+
     pub fn finish(self) -> Result<()> {
         let Self { name, target, made, _kept } = self;
         let finish = || -> io::Result<()> {
@@ -423,5 +450,20 @@ mod tests {
         fs::remove_file(name.join("1")).unwrap();
         drop(Folder::create(&name).unwrap());
         assert_eq!(names(&name), [""; 0]);
+    }
+
+    #[test]
+    fn a_new_folder_replaces_none() {
+        let above = tempfile::tempdir().unwrap();
+        let name = |number: u8| above.path().join(number.to_string());
+        let folders = [(); 3].map(|()| Folder::create(&name(1)).unwrap());
+        // Made by another while the folders are filled.
+        fs::create_dir(name(1)).unwrap();
+        for (folder, number) in folders.into_iter().zip([Some(2), Some(3), None]) {
+            folder.write("1", b"").unwrap();
+            let finished = folder.finish_new((1..=3).map(name));
+            assert_eq!(finished.as_ref().ok(), number.map(name).as_ref(), "{finished:?}");
+        }
+        assert_eq!((names(&name(1)), names(&name(2)), names(above.path()).len()), (vec![], vec!["1".to_owned()], 3));
     }
 }

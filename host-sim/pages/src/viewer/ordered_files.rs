@@ -147,7 +147,8 @@ impl Made {
     }
 
     /// Starts a thread that writes a recording. `write` returns its folder and a sentence about it; it is given a function
-    /// that takes the fraction done, and returns false if the recording is cancelled. `tell` as in [`Made::begin`].
+    /// that takes the fraction done, and returns false if the recording is cancelled. `tell` as in [`Made::begin`]. Errors:
+    /// Too many files are being made already, or one of this name.
     pub(super) fn write(
         self: &Arc<Self>,
         name: String,
@@ -155,6 +156,8 @@ impl Made {
         tell: impl Fn(u32) + Send + 'static,
     ) -> Result<u32> {
         let mut all = self.progress();
+        let is_running = all.values().any(|one| one.is_running && one.name == name);
+        ensure!(!is_running, "{name} is being written already: wait until it is done, or cancel it");
         let id = next_id(&all)?;
         all.insert(id, Progress { done: Some(0.0), ..Progress::begun(id, name) });
         drop(all);

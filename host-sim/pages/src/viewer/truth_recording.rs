@@ -5,7 +5,7 @@ use super::source::Source;
 use super::truth::Part;
 use crate::export::{Format, Writer};
 use anyhow::{Context, Result, bail};
-use smr_files::output::Output;
+use smr_files::output::Folder;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -29,40 +29,32 @@ impl Recordings {
         progress: &dyn Fn(f64) -> bool,
     ) -> Result<(PathBuf, String)> {
         let all: usize = self.parts.iter().map(|(_, part)| part.boxes.len()).sum();
-        let folder = self.free(place)?;
+        let is_free = |name: &PathBuf| fs::symlink_metadata(name).is_err();
+        let folder = Folder::create(&self.names(place).find(is_free).context("no name is free")?)?;
         let mut done = 0;
-        let written = self.parts.iter().try_for_each(|(target, part)| {
-            let place = if self.parts.len() == 1 { folder.clone() } else { folder.join(name_of(target, part)) };
-            write_part(&place, part, source, || {
+        for (target, part) in &self.parts {
+            let name = name_of(target, part);
+            let place = if self.parts.len() == 1 { folder.path().to_owned() } else { folder.path().join(&name) };
+            write_part(&place, &name, part, source, || {
                 done += 1;
                 #[allow(clippy::cast_precision_loss)] // far below 2^52
                 progress(done as f64 / all as f64)
-            })
-        });
-        let ended = written.and_then(|()| {
-            let mut notes = Output::create(&folder.join("README.txt"))?;
-            notes.write(self.notes().as_bytes())?;
-            notes.finish()
-        });
-        if let Err(error) = ended {
-            // Nobody had a folder of this name before.
-            let _ = fs::remove_dir_all(&folder);
-            return Err(error);
+            })?;
         }
+        folder.write("README.txt", self.notes().as_bytes())?;
         let count = match self.parts.len() {
             1 => "a recording".to_owned(),
             count => format!("{count} recordings"),
         };
-        Ok((folder, format!("{count} with truth, {all} frames")))
+        Ok((folder.finish_new(self.names(place))?, format!("{count} with truth, {all} frames")))
     }
 
-    fn free(&self, place: &Path) -> Result<PathBuf> {
-        let name = |number: usize| match number {
-            1 => format!("{}-truth", self.name),
-            _ => format!("{}-truth-{number}", self.name),
-        };
-        let mut names = (1..1000).map(|number| place.join(name(number)));
-        names.find(|name| fs::symlink_metadata(name).is_err()).context("no name is free")
+    /// Returns names for the folder, the best first.
+    fn names<'a>(&'a self, place: &'a Path) -> impl Iterator<Item = PathBuf> + 'a {
+        (1..1000).map(move |number| match number {
+            1 => place.join(format!("{}-truth", self.name)),
+            _ => place.join(format!("{}-truth-{number}", self.name)),
+        })
     }
 
     fn notes(&self) -> String {
@@ -97,9 +89,14 @@ fn name_of(target: &Target, part: &Part) -> String {
     format!("{}-{}-{}", target.name, part.first, part.first + part.boxes.len() - 1)
 }
 
-fn write_part(folder: &Path, part: &Part, source: &dyn Source, mut step: impl FnMut() -> bool) -> Result<()> {
-    let title = folder.file_name().unwrap_or_default().to_string_lossy();
-    let mut writer = Writer::create(folder, Format::Png, &title, part.boxes[0])?;
+fn write_part(
+    folder: &Path,
+    name: &str,
+    part: &Part,
+    source: &dyn Source,
+    mut step: impl FnMut() -> bool,
+) -> Result<()> {
+    let mut writer = Writer::create(folder, Format::Png, name, part.boxes[0])?;
     let mut frames = source.gray_from(part.first)?;
     for number in (part.first..).take(part.boxes.len()) {
         writer.frame(&frames.next().with_context(|| format!("there is no frame {number}"))??.gray)?;
@@ -108,4 +105,67 @@ fn write_part(folder: &Path, part: &Part, source: &dyn Source, mut step: impl Fn
         }
     }
     writer.finish(Some(&part.boxes)).map(|_| ())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::viewer::test_viewer::{Scene, target};
+    use smr_recordings::synthetic;
+    use std::sync::Barrier;
+    use std::thread;
+
+    fn recordings(firsts: &[usize]) -> Recordings {
+        let part = |&first: &usize| {
+            (
+                target(1, &[1]),
+                Part { first, boxes: (first..first + 3).map(|frame| synthetic::truth(frame - 1)).collect() },
+            )
+        };
+        Recordings { name: "clip".to_owned(), method: "paper", parts: firsts.iter().map(part).collect() }
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn recordings_appear_whole_and_what_is_there_stays() {
+        for firsts in [&[1][..], &[1, 9]] {
+            let place = tempfile::tempdir().unwrap();
+            let (other, notes) = (place.path().join("clip-truth"), place.path().join("clip-truth/notes.txt"));
+            let shown = || names(place.path()).into_iter().filter(|name| !name.starts_with('.')).collect::<Vec<_>>();
+            let put = |_| {
+                // Another program makes a folder of this name meanwhile.
+                fs::create_dir_all(&other).and_then(|()| fs::write(&notes, "mine")).unwrap();
+                assert_eq!(shown(), ["clip-truth"]);
+                true
+            };
+            let write = |progress: &dyn Fn(f64) -> bool| {
+                recordings(firsts).write(place.path(), &Scene::default(), progress).map(|(folder, _)| folder)
+            };
+            assert_eq!(write(&put).unwrap(), place.path().join("clip-truth-2"));
+            assert_eq!(write(&|done| done < 0.9).unwrap_err().to_string(), "cancelled");
+            assert_eq!((names(place.path()), names(&other)), (shown(), vec!["notes.txt".to_owned()]));
+            assert_eq!(shown(), ["clip-truth", "clip-truth-2"]);
+            // Two at once, which end one after the other.
+            let both = Barrier::new(2);
+            let together = |done: f64| {
+                if done > 0.99 {
+                    both.wait();
+                }
+                true
+            };
+            thread::scope(|scope| {
+                let written = [(); 2].map(|()| scope.spawn(|| write(&together).unwrap()));
+                let written = written.map(|one| one.join().unwrap());
+                assert_ne!(written[0], written[1]);
+                assert!(written.iter().all(|one| names(one) == names(&place.path().join("clip-truth-2"))));
+            });
+            assert_eq!(names(place.path()), ["clip-truth", "clip-truth-2", "clip-truth-3", "clip-truth-4"]);
+        }
+    }
 }
