@@ -64,15 +64,18 @@ impl Lock {
 
 /// Returns an error if the box of a lock is not wholly inside frames of this width and height; empty boxes pass.
 pub fn check_inside<'a>(locks: impl IntoIterator<Item = &'a Lock>, (width, height): (u16, u16)) -> Result<()> {
-    let frame = Rect { x: 0, y: 0, width, height };
     for (rect, number) in locks.into_iter().filter_map(|lock| Some((lock.rect()?, lock.frame))) {
         let Rect { x, y, width: wide, height: high } = rect;
         ensure!(
-            rect.is_empty() || rect.intersection(frame) == rect,
+            rect.is_empty() || is_inside(rect, (width, height)),
             "the box {x},{y},{wide},{high} in frame {number} is not wholly inside {width}x{height} pixels"
         );
     }
     Ok(())
+}
+
+pub(super) fn is_inside(rect: Rect, (width, height): (u16, u16)) -> bool {
+    rect.intersection(Rect { x: 0, y: 0, width, height }) == rect
 }
 
 /// Returns the first and the last frame of the range in which a target's answers can differ between the lists of locks

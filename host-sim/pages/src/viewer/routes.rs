@@ -317,8 +317,12 @@ impl Viewer {
             "the frames of a camera are not kept: record it with ffmpeg, and view the file"
         );
         let frames = self.known().frames.context("the recording is still being counted: wait a moment")?;
+        let (reached, _) = self.followed.reached(Some(frames));
+        if let Some(last) = self.followed.awaited(frames) {
+            bail!("still following, at frame {reached} of {frames}: wait until frame {last} is followed, too");
+        }
         let known = |(target, rows): (Target, Vec<_>)| {
-            let parts = target.known_parts(&rows, frames);
+            let parts = target.known_parts(&rows, frames, self.size);
             parts.into_iter().map(|part| (target.clone(), part)).collect::<Vec<_>>()
         };
         let parts: Vec<_> = self.followed.rows().into_iter().flat_map(known).collect();

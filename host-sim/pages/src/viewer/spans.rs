@@ -33,6 +33,12 @@ impl Spans {
         self.0[..behind].last().is_some_and(|(_, to)| frame <= *to)
     }
 
+    /// Returns the latest of these frames that is not behind `end`.
+    pub fn last_to(&self, end: usize) -> Option<usize> {
+        let begun = self.0.partition_point(|(from, _)| *from <= end);
+        self.0[..begun].last().map(|(_, to)| end.min(*to))
+    }
+
     pub fn add(&mut self, more: Self) {
         *self = [std::mem::take(&mut self.0), more.0].concat().into();
     }
@@ -61,6 +67,8 @@ mod tests {
             let mut added = Spans::from(first.to_vec());
             added.add(rest.to_vec().into());
             prop_assert_eq!(added.contains(frame), is_named);
+            let last = (1..=frame).rev().find(|&at| added.contains(at));
+            prop_assert_eq!(added.last_to(frame), last);
             prop_assert_eq!(added, Spans::from(spans));
         }
     }

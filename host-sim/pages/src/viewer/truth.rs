@@ -2,10 +2,10 @@
 //! at of the tracker's boxes. All other frames are unknown.
 
 use super::answers::AnsweredFrame;
-use super::model::{Lock, Target};
+use super::model::{Lock, Target, is_inside};
 use smr_recordings::BoundingBox;
 
-/// Consecutive frames in which the truth is known. The target is visible in the first.
+/// Consecutive frames in which the truth is known. In the first, the box of the target is one to lock on.
 #[derive(Debug, PartialEq)]
 pub(super) struct Part {
     pub first: usize,
@@ -17,8 +17,10 @@ pub(super) struct Part {
 const MIN_FRAMES: usize = 2;
 
 impl Target {
-    /// Returns the parts of a recording of `frames` frames in which the truth is known. `rows` are the tracker's answers.
-    pub(super) fn known_parts(&self, rows: &[(usize, AnsweredFrame)], frames: usize) -> Vec<Part> {
+    /// Returns the parts of a recording of `frames` frames of the size `size` in which the truth is known. `rows` are the
+    /// tracker's answers.
+    pub(super) fn known_parts(&self, rows: &[(usize, AnsweredFrame)], frames: usize, size: (u16, u16)) -> Vec<Part> {
+        let opens = |bbox: &BoundingBox| bbox.to_rect().is_some_and(|rect| is_inside(rect, size));
         let mut rows = rows.iter().peekable();
         let mut parts: Vec<Part> = Vec::new();
         let mut is_open = false;
@@ -27,11 +29,11 @@ impl Target {
             let answer = rows.next_if(|(at, _)| *at == frame).and_then(|(_, row)| row.report.target);
             match (self.known(frame, answer), parts.last_mut().filter(|_| is_open)) {
                 (Some(bbox), Some(part)) => part.boxes.push(bbox),
-                (Some(Some(bbox)), None) => {
+                (Some(Some(bbox)), None) if opens(&bbox) => {
                     parts.push(Part { first: frame, boxes: vec![Some(bbox)] });
                     is_open = true;
                 }
-                (Some(None), None) => {}
+                (Some(_), None) => {}
                 (None, _) => is_open = false,
             }
         }
@@ -78,7 +80,10 @@ mod tests {
     use crate::viewer::test_viewer::{FRAMES, Running, Scene, expected, lock, target};
     use proptest::prelude::*;
     use smr_core::Rect;
-    use smr_evaluation::MethodKind;
+    use smr_evaluation::{MethodAnswer, MethodKind};
+    use smr_recordings::synthetic;
+
+    const SIZE: (u16, u16) = (synthetic::WIDTH, synthetic::HEIGHT);
 
     fn by_hand(frame: usize, rect: Rect) -> Lock {
         Lock { by_hand: true, ..Lock::new(frame, Some(rect)) }
@@ -91,7 +96,7 @@ mod tests {
     /// The left edge of each true box, `None` where the target is not visible, and the first frame, of each part.
     fn lefts(target: &Target, frames: usize) -> Vec<(usize, Vec<Option<f64>>)> {
         let left = |bbox: Option<BoundingBox>| bbox.map(|bbox| bbox.x);
-        let parts = target.known_parts(&[], frames);
+        let parts = target.known_parts(&[], frames, SIZE);
         parts.into_iter().map(|part| (part.first, part.boxes.into_iter().map(left).collect())).collect()
     }
 
@@ -114,11 +119,25 @@ mod tests {
         let hidden = [(9, 9), (4, 3)];
         assert_eq!(lefts(&drawn(locks, &hidden, &[(3, 6)]), 12), [(2, vec![line[0], None, None, line[3], line[4]])]);
         let height =
-            drawn(vec![by_hand(1, from), Lock::new(3, Some(to))], &[], &[(2, 2)]).known_parts(&[], 3)[0].boxes[1];
+            drawn(vec![by_hand(1, from), Lock::new(3, Some(to))], &[], &[(2, 2)]).known_parts(&[], 3, SIZE)[0].boxes[1];
         assert_eq!(height, Some(BoundingBox { x: 45.0, y: 40.0, width: 10.0, height: 15.0 }));
         // A clip of one frame, and a target without boxes.
         assert_eq!(lefts(&drawn(vec![by_hand(1, from)], &[], &[(1, 1)]), 1), []);
         assert_eq!(lefts(&drawn(vec![], &[], &[(1, 9)]), 9), []);
+    }
+
+    #[test]
+    fn a_part_begins_with_a_box_that_a_tracker_takes() {
+        let at = |x: f64| BoundingBox { x, y: 5.0, width: 20.0, height: 10.0 };
+        let row = |x: f64| {
+            let report = MethodAnswer { target: Some(at(x)), ..MethodAnswer::locked(Rect::new(0, 5, 20, 10)) };
+            AnsweredFrame { report, shown: at(x), quality: None, time: None }
+        };
+        // It comes in over the left border, and goes out over the right one.
+        let lefts = [-4.0, -0.6, -0.4, 3.0, f64::from(SIZE.0) - 19.0];
+        let rows: Vec<_> = (3..).zip(lefts.map(row)).collect();
+        let boxes = lefts[2..].iter().map(|&x| Some(at(x))).collect();
+        assert_eq!(drawn(vec![lock(1)], &[], &[(3, 20)]).known_parts(&rows, 20, SIZE), [Part { first: 5, boxes }]);
     }
 
     #[test]
@@ -128,9 +147,9 @@ mod tests {
         let rows = running.followed.rows().remove(0).1;
         let checked = drawn(vec![lock(1)], &[], &[(1, FRAMES)]);
         let seen: Vec<_> = expected(MethodKind::Paper, &[1]).into_iter().map(|(_, report)| report.target).collect();
-        let known: Vec<_> = checked.known_parts(&rows, FRAMES).into_iter().flat_map(|part| part.boxes).collect();
+        let known: Vec<_> = checked.known_parts(&rows, FRAMES, SIZE).into_iter().flat_map(|part| part.boxes).collect();
         assert_eq!(known, seen.into_iter().filter(Option::is_some).collect::<Vec<_>>());
-        assert_eq!(drawn(vec![lock(1)], &[], &[]).known_parts(&rows, FRAMES), []);
+        assert_eq!(drawn(vec![lock(1)], &[], &[]).known_parts(&rows, FRAMES, SIZE), []);
     }
 
     fn any_rect() -> impl Strategy<Value = Rect> {

@@ -249,6 +249,17 @@ impl Followed {
         (open.or_else(done).unwrap_or(0).min(last), at)
     }
 
+    /// Returns the last frame up to `frames` that the user has looked at and that is still to be followed.
+    pub(super) fn awaited(&self, frames: usize) -> Option<usize> {
+        let state = self.state();
+        let ends: HashMap<Key, usize> = state.plan().collect();
+        let last = |Task { key, next }: Task| {
+            let target = state.targets.iter().find(|target| target.id == key.target)?;
+            target.checked.last_to(frames.min(ends[&key] - 1)).filter(|last| *last >= next)
+        };
+        state.tasks().into_iter().filter(|_| !state.stopped).filter_map(last).max()
+    }
+
     /// Returns the segments whose answers ended early: target, frame of the lock, first frame without an answer. They go
     /// on after a change of the targets or the method at the earliest.
     pub(super) fn silent(&self) -> Vec<(u32, usize, usize)> {

@@ -152,8 +152,6 @@ fn numbers_at_the_ends_of_every_type_are_refused_with_words() {
 fn what_was_looked_at_is_written_as_recordings_that_eval_takes() {
     let folder = tempfile::tempdir().unwrap();
     let viewer = Viewer { place: folder.path().to_owned(), ..viewer() };
-    let (followed, source) = (Arc::clone(&viewer.followed), Arc::clone(&viewer.source));
-    let following = thread::spawn(move || followed.run(source.as_ref()));
     let post = |address: &str, body: &str| {
         let (status, said) = viewer.replied(true, address, body);
         assert_eq!(status, 200, "{said}");
@@ -167,10 +165,15 @@ fn what_was_looked_at_is_written_as_recordings_that_eval_takes() {
         r#",{"frame":30,"box":[60,40,24,28],"by_hand":true},{"frame":34,"box":[64,44,24,28]}],"hidden":[[20,24]]"#;
     post("targets", &target(by_hand));
     let all = synthetic::LENGTH;
+    post("checked", r#"{"target":1,"frames":[[1,40]]}"#);
+    let early = viewer.replied(true, "recording", "");
+    assert_eq!(early.0, 400);
+    assert!(early.1.contains("wait until frame 40 is followed, too"), "{}", early.1);
+    let (followed, source) = (Arc::clone(&viewer.followed), Arc::clone(&viewer.source));
+    let following = thread::spawn(move || followed.run(source.as_ref()));
     while viewer.followed.reached(Some(all)).1.is_some() || viewer.followed.reached(Some(all)).0 < all {
         thread::sleep(Duration::from_millis(5));
     }
-    post("checked", r#"{"target":1,"frames":[[1,40]]}"#);
     post("checked", &format!(r#"{{"target":1,"frames":[[43,{all}]]}}"#));
     let write = || {
         let id = serde_json::from_str::<Value>(&post("recording", "")).unwrap()["id"].as_u64().unwrap();
