@@ -165,7 +165,7 @@ function listen() {
 
 function useMethod() {
   const { edits, recording } = app;
-  edits.checked.clear();
+  edits.forget();
   Object.assign(recording, chosenTracker(recording));
   trying(app.source.method(recording.method, recording.options));
   // Closes the element `firmware`, because it shows the former settings.

@@ -57,7 +57,7 @@ export class Edits {
   /** The largest id that was ever given. It never goes back, so that no id is given twice. */
   ids = 0;
   #chosen = null; // an id; null: the next box is a new target
-  #past = []; // { targets, chosen } before each change
+  #past = []; // { targets, chosen, checked } before each change
   #future = [];
   #steps = []; // the last changes: the targets after each, and all that was before
 
@@ -116,6 +116,11 @@ export class Edits {
   /** Notes that the user has looked at a target in these frames. This is no change that is undone. */
   check({ id }, from, to) {
     this.checked.set(id, plus(this.checked.get(id) ?? [], from, to));
+  }
+
+  /** Forgets what the user has looked at, also in what can be undone: other boxes are to come. */
+  forget() {
+    [this, ...this.#past, ...this.#future, ...this.#steps.map(({ before }) => before)].forEach(({ checked }) => checked.clear());
   }
 
   /** Marks a target as absent, starting at frame `number` and until its next box. */
@@ -177,18 +182,19 @@ export class Edits {
     // If a later change is refused as well, it must revert to the state before this change.
     this.#steps.filter(({ before }) => before.targets === targets).forEach((later) => (later.before = step.before));
     if (this.targets === targets) {
+      this.#recheck(step.before);
       ({ targets: this.targets, past: this.#past, future: this.#future, chosen: this.#chosen } = step.before);
     }
   }
 
   get #now() {
-    return { targets: this.targets, chosen: this.#chosen };
+    return { targets: this.targets, chosen: this.#chosen, checked: new Map(this.checked) };
   }
 
   // Sets the targets, the chosen one and the history, and stores the former state for `takeBack`.
-  #change({ targets, chosen }, past, future) {
+  #change({ targets, chosen, checked }, past, future) {
     const before = { ...this.#now, past: this.#past, future: this.#future };
-    targets.forEach((target) => this.#uncheck(target));
+    this.#recheck({ targets, checked });
     [this.targets, this.#chosen, this.#past, this.#future] = [targets, chosen, past.slice(-MAX_UNDONE), future];
     this.#steps = [...this.#steps, { after: targets, before }].slice(-MAX_UNDER_WAY);
   }
@@ -200,12 +206,16 @@ export class Edits {
     return { id: this.ids, name: "", color: colorOf(this.ids), locks: [], hidden: [] };
   }
 
-  // The frames in which a target may have other boxes than before must be looked at again.
-  #uncheck({ id, locks }) {
-    const before = this.targets.find((one) => one.id === id)?.locks;
-    const [from, to] = before === undefined || before === locks ? [] : differing(before, locks);
-    if (from !== undefined) {
-      this.checked.set(id, minus(this.checked.get(id) ?? [], from, to));
+  // The frames in which a target may have other boxes than before must be looked at again, except those in `checked`,
+  // which the user has looked at when it had these boxes.
+  #recheck({ targets, checked }) {
+    for (const { id, locks } of targets) {
+      const before = this.targets.find((one) => one.id === id)?.locks ?? locks;
+      const [from, to] = differing(before, locks);
+      if (from !== undefined) {
+        const again = minus(minus(checked?.get(id) ?? [], 0, from - 1), to + 1, Infinity);
+        this.checked.set(id, again.reduce((all, range) => plus(all, ...range), minus(this.checked.get(id) ?? [], from, to)));
+      }
     }
   }
 
