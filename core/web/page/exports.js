@@ -33,8 +33,9 @@ export function drawMenu(place, { formats, films }, { take, make }) {
 
 /** Disables the formats that cannot store `count` targets, and shows the reason. */
 export function drawLimits(place, count) {
+  const isWriting = byId("made").querySelector("progress[aria-label$=truth]") !== null;
   for (const node of place.querySelectorAll("button")) {
-    const why = count === 0 ? NO_BOX : count > 1 && node.dataset.several === "false" ? ONE_TARGET : "";
+    const why = count === 0 ? NO_BOX : isWriting && node.id === "recording" ? "It is being written." : count > 1 && node.dataset.several === "false" ? ONE_TARGET : "";
     node.disabled = why !== "";
     node.title = why;
   }

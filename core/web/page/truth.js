@@ -24,7 +24,7 @@ export class Truth {
   #sending = null;
   #unsent = new Set(); // ids of targets
   #known = null; // the last result of `#count`, with what it was made of
-  #hint = null; // { number, text }: a sentence about a frame
+  #hint = null; // { number, target, text }: a sentence about a target in a frame
 
   /** Makes the buttons. */
   prepare() {
@@ -53,7 +53,8 @@ export class Truth {
 
   /** Returns the instruction for the shown frame. */
   get hint() {
-    return this.#hint?.number === app.playback.shown ? this.#hint.text : "";
+    const { number, target, text } = this.#hint ?? {};
+    return number === app.playback.shown && target === app.edits.chosen ? text : "";
   }
 
   /** Notes that the shown frame is looked at, with the box of the chosen target. Call it whenever a frame is drawn. */
@@ -177,7 +178,7 @@ export class Truth {
       playback.play(true);
       return;
     }
-    this.#hint = { number: next.number, text: `${DOUBTS[next.kind]}: ${next.kind === "lost" ? ADVICE : "if the box is wrong, correct it."}` };
+    this.#hint = { number: next.number, target: chosen, text: `${DOUBTS[next.kind]}: ${next.kind === "lost" ? ADVICE : "if the box is wrong, correct it."}` };
     draw();
   }
 
@@ -217,7 +218,7 @@ export class Truth {
         return;
       }
       edits.setHidden(chosen, plus(chosen.hidden, from, to));
-      this.#hint = { number: here, text: `Hidden up to ${placeOf(to, timeOf)}: where it is visible before, press H again.` };
+      this.#hint = { number: here, target: edits.chosen, text: `Hidden up to ${placeOf(to, timeOf)}: where it is visible before, press H again.` };
     }
     changed();
   }
