@@ -290,6 +290,30 @@ fn work_is_kept_beside_the_recording_and_gone_on_with() {
 }
 
 #[test]
+fn what_was_looked_at_counts_only_for_the_boxes_that_were_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = &recording(&folder)[..];
+    let file = format!("{recording}.smr.json");
+    let mut car = target(&[(2, [37, 24, 24, 28])]);
+    car[0]["checked"] = json!([[2, 9]]);
+    assert_eq!(Viewer::open(&[recording]).post("targets", &car).0, 200);
+    let kept: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    let looked_at = |options: &[&str]| begun(&Viewer::open(&[&[recording], options].concat())).0[0]["checked"].clone();
+    for same in [&[][..], &["--method", "robust"]] {
+        assert_eq!(looked_at(same), car[0]["checked"], "{same:?}");
+    }
+    for other in [&["--method", "paper"][..], &["--set", "reach=5"]] {
+        assert_eq!(looked_at(other), Value::Null, "{other:?}");
+    }
+    for (fact, other) in [("made_by", "host-sim 0.0.1"), ("recording", "another"), ("method", "paper")] {
+        let mut session = kept.clone();
+        session[fact] = json!(other);
+        fs::write(&file, session.to_string()).unwrap();
+        assert_eq!(looked_at(if fact == "method" { &["--method", "robust"] } else { &[] }), Value::Null, "{fact}");
+    }
+}
+
+#[test]
 fn boxes_of_a_file_are_locks() {
     let folder = tempfile::tempdir().unwrap();
     let recording = &recording(&folder)[..];

@@ -98,7 +98,7 @@ impl View {
         let from = given_by.or_else(|| session.name().filter(|_| work.is_some())).unwrap_or_else(|| name.clone());
         let is_read = self.boxes.is_some() || work.is_some();
         let (variant, targets) = match work {
-            Some(work) => self.resumed(work, &session, (given, targets), is_live)?,
+            Some(work) => self.resumed(work, &session, (given, targets), (&name, is_live))?,
             None => (given, targets),
         };
         if !self.init.is_empty() && !is_live {
@@ -127,6 +127,7 @@ impl View {
             made: Arc::clone(&made),
             requests: Box::new(Desk { words, images }),
             session,
+            made_by: self.made_by(),
         };
         say(|out| match self.json {
             true => writeln!(out, "{}", serde_json::json!({ "address": address })),
@@ -195,13 +196,14 @@ impl View {
         Some(named.with_file_name(name))
     }
 
-    /// Resumes the method and targets of a session, except those that the command line gives.
+    /// Resumes the method and targets of a session, except those that the command line gives. If other boxes are to come
+    /// than those that the user has looked at, nobody has looked at them.
     fn resumed(
         &self,
-        work: Work,
+        mut work: Work,
         session: &Session,
         (variant, targets): (Variant, Vec<Target>),
-        is_live: bool,
+        (recording, is_live): (&str, bool),
     ) -> Result<(Variant, Vec<Target>)> {
         let name = session.name().unwrap_or_default();
         // A camera numbers its frames anew, so the boxes of an earlier session belong to other frames.
@@ -215,9 +217,21 @@ impl View {
         if let Some(aside) = session.aside() {
             note += &format!("; the first change keeps the old file as {aside}");
         }
+        let kept = variant_of(&work.method, &work.options).with_context(|| name.clone());
+        let is_same = work.recording == recording && work.made_by == self.made_by();
+        let is_same = is_same && kept.as_ref().is_ok_and(|kept| !has_method || kept.origin() == variant.origin());
+        if !has_targets && !is_same && work.forget_checked() {
+            note += "; its boxes may differ from those that you have looked at: look at them again";
+        }
         complain(&note);
-        let kept = || variant_of(&work.method, &work.options).with_context(|| name.clone());
-        Ok((if has_method { variant } else { kept()? }, if has_targets { targets } else { work.targets }))
+        Ok((if has_method { variant } else { kept? }, if has_targets { targets } else { work.targets }))
+    }
+
+    /// Program and options of the source, on which the answers depend beside the method.
+    fn made_by(&self) -> String {
+        let size = self.size.map_or(String::new(), |size| format!(" --size {size}"));
+        let levels = self.levels.map_or(String::new(), |levels| format!(" --levels {levels}"));
+        format!("host-sim {}{size}{levels}", env!("CARGO_PKG_VERSION"))
     }
 
     fn words(&self) -> Vec<OsString> {

@@ -55,6 +55,8 @@ pub struct Viewer {
     pub made: Arc<Made>,
     pub requests: Box<dyn Requests>,
     pub session: Session,
+    /// Program and options of the source, on which the answers depend beside the method.
+    pub made_by: String,
 }
 
 impl Viewer {
@@ -180,6 +182,7 @@ impl Viewer {
         self.session.ids(&targets);
         self.log_message(self.session.keep(|work| {
             (work.method, work.options, work.targets) = (variant.kind.name().to_owned(), variant.options, targets);
+            work.made_by.clone_from(&self.made_by);
         }));
     }
 

@@ -26,13 +26,23 @@ pub struct Work {
     /// Largest id that a target ever had, so that none is given twice; 0 in sessions of former versions.
     #[serde(default)]
     ids: u32,
+    /// Program and options that made the boxes that the user has looked at; empty in sessions of former versions.
+    #[serde(default)]
+    pub made_by: String,
     pub frame: Option<usize>,
 }
 
 impl Work {
     pub fn new(recording: &str) -> Self {
         let (recording, method, options) = (recording.to_owned(), String::new(), Map::new());
-        Self { smr_session: VERSION, recording, method, options, targets: Vec::new(), ids: 0, frame: None }
+        let (targets, made_by) = (Vec::new(), String::new());
+        Self { smr_session: VERSION, recording, method, options, targets, ids: 0, made_by, frame: None }
+    }
+
+    /// Forgets what the user has looked at, because other boxes are to come. Returns true if there was anything.
+    pub fn forget_checked(&mut self) -> bool {
+        let checked = self.targets.iter_mut().map(|target| std::mem::take(&mut target.checked));
+        checked.filter(|checked| !checked.is_empty()).count() > 0
     }
 }
 

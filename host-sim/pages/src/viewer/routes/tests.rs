@@ -45,6 +45,7 @@ fn viewer() -> Viewer {
         made: Arc::new(Made::new().unwrap()),
         requests: Box::new(Nothing),
         session: Session::open(None, synthetic::NAME).unwrap().0,
+        made_by: String::new(),
     }
 }
 
