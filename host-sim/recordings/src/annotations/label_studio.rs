@@ -6,7 +6,7 @@ use crate::bounding_box::BoundingBox;
 use crate::frame_number::FrameNumber;
 use anyhow::{Context, Result, anyhow, ensure};
 use serde::Deserialize;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 #[derive(Deserialize)]
 struct Task {
@@ -78,25 +78,39 @@ pub(super) fn tracks(text: &str, size: (u16, u16)) -> Result<Vec<Track>> {
 fn track(value: &Value, size: (u16, u16), names: &mut HashMap<String, usize>) -> Result<Track> {
     let name = unused(value.labels.first().map_or("target", String::as_str), names)?;
     let mut entries = Vec::new();
+    let mut frames = HashSet::new();
     for key in &value.sequence {
         let frame = key.frame.get();
-        let bbox = key.bounds(size).filter(|bbox| bbox.pixels().is_ok());
-        let bbox = bbox.with_context(|| format!("the box of {name} in frame {frame} has no pixels, or too many"))?;
+        ensure!(frames.insert(frame), "{name} is in frame {frame} twice: expected one box of a target in a frame");
+        let bbox = key.bounds(size).with_context(|| format!("{name} in frame {frame}"))?;
         entries.push(Entry { frame, at: 0, seen: Seen::Box(bbox) });
-        if !key.enabled && value.sequence.iter().all(|other| other.frame.get() != frame + 1) {
-            entries.push(Entry { frame: frame + 1, at: 0, seen: Seen::Gone });
+    }
+    for key in value.sequence.iter().filter(|key| !key.enabled) {
+        let frame = key.frame.get() + 1;
+        if !frames.contains(&frame) {
+            entries.push(Entry { frame, at: 0, seen: Seen::Gone });
         }
     }
     Ok(Track { name: Some(name), entries, is_line: true })
 }
 
 impl KeyFrame {
-    fn bounds(&self, (wide, high): (u16, u16)) -> Option<BoundingBox> {
+    /// Returns the box in pixels. Errors: It has none.
+    fn bounds(&self, (wide, high): (u16, u16)) -> Result<BoundingBox> {
+        ensure!(
+            self.width > 0.0 && self.height > 0.0,
+            "expected width and height above 0, found {} and {}",
+            self.width,
+            self.height
+        );
         let [wide, high] = [wide, high].map(|side| f64::from(side) / 100.0);
         let (left, top) = (self.x * wide, self.y * high);
         let (width, height) = (self.width * wide, self.height * high);
         let (sin, cos) = (self.rotation % 360.0).to_radians().sin_cos();
         let turned = |[x, y]: [f64; 2]| [left + x * cos - y * sin, top + x * sin + y * cos];
-        BoundingBox::around(&[[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]].map(turned))
+        let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]].map(turned);
+        let bbox = BoundingBox::around(&corners).context("the box has no corners")?;
+        bbox.pixels().map_err(|what| anyhow!("the box {what}"))?;
+        Ok(bbox)
     }
 }

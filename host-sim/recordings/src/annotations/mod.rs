@@ -12,7 +12,7 @@ pub(crate) mod start;
 mod track;
 mod xml;
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use smr_files::input::{self, Kind};
 use start::Target;
 use std::path::Path;
@@ -33,6 +33,7 @@ pub fn parse(bytes: &[u8], size: (u16, u16)) -> Result<Vec<Target>> {
     let tracks = match text.trim_start().as_bytes().first() {
         Some(b'<') => cvat::tracks(&text)?,
         Some(b'[') => label_studio::tracks(&text, size)?,
+        Some(b'{') => bail!("it is an object of JSON: expected a list in [ ], as Label Studio exports it"),
         _ => csv::tracks(&text)?,
     };
     let targets = tracks.into_iter().map(|track| track.target(&text)).collect::<Result<Vec<_>>>()?;
@@ -116,7 +117,7 @@ mod tests {
             ("\n\nFrame;x1;y1;x2;y2\n", &format!("line 3: there is no column x: {expected} \"Frame, x1, y1, x2, y2\"")),
             ("sep=;\nframe,x\n", "line 2: there is no column frame"),
             ("1,60,80,40,40\n", "found the columns \"1, 60, 80, 40, 40\""),
-            ("{\"info\": 1}", "there is no column frame"),
+            ("{\"info\": 1}", "it is an object of JSON: expected a list in [ ], as Label Studio exports it"),
             ("frame,x,X,y,width,height\n", "line 1: there are two columns x: expected one"),
             ("frame,x,y,width,height,state,State\n", "line 1: there are two columns state: expected one"),
             ("\"frame,x,y,width,height\n1,1,2,3,4\n", "line 1: a quote is missing"),
@@ -241,9 +242,17 @@ mod tests {
         for (text, said) in [
             ("[1]", "line 1: it is damaged, or no JSON of Label Studio"),
             (&*one(&[key(0, "")]), "line 3: it is damaged, or no JSON of Label Studio (expected the number of a frame"),
-            (&one(&[key(1, "").replace("30", "0")]), "the box of target in frame 1 has no pixels"),
-            (&one(&[key(1, "").replace("30", "1e300")]), "the box of target in frame 1 has no pixels, or too many"),
-            (&one(&[key(1, ""), key(1, "")]), "target is in frame 1 twice"),
+            (
+                &one(&[key(1, "").replace("30", "0")]),
+                "target in frame 1: expected width and height above 0, found 0 and 40",
+            ),
+            (
+                &one(&[key(2, "").replace("40", "-4")]),
+                "target in frame 2: expected width and height above 0, found 30 and -4",
+            ),
+            (&one(&[key(1, "").replace("30", "0.01")]), "target in frame 1: the box has no pixels: 20,20.5,0.0"),
+            (&one(&[key(1, "").replace("30", "1e300")]), "target in frame 1: the box is too large or too far away"),
+            (&one(&[key(4, ""), key(1, ""), key(4, "")]), "target is in frame 4 twice: expected one box"),
             ("[]", "there is no box to lock on"),
             (
                 &car.replace("}],\"data", "},{\"result\":[]}],\"data"),
