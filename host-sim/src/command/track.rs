@@ -59,9 +59,10 @@ pub struct Track {
     /// The parts drawn in the video, separated by commas [default: box,name]
     #[arg(long, value_enum, value_name = "MARK", value_delimiter = ',')]
     draw: Vec<Mark>,
-    /// Cut the video to a square around the target, which stays in its middle; of several targets, around the first
+    /// Cut the video to a part around the target; of several targets, around the first
     ///
-    /// The square has three times the longer side of the first box. It stays in the frame, so a target near the border is not in the middle.
+    /// The part is a square with three times the longer side of the first box, or as much of it as fits into the frame. The target is in its
+    /// middle, except near the border of the frame.
     #[arg(long)]
     crop: bool,
     /// The ids of the targets in the viewer of `view`, which orders the video: they select the colors
