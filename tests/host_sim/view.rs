@@ -334,7 +334,7 @@ fn boxes_of_a_file_are_locks() {
         assert_eq!((status, &read["targets"][0]["locks"]), (200, &car[0]["locks"]), "{name}");
     }
     let outside = viewer.post("targets", &target(&[(2, [150, 24, 24, 28])]));
-    assert_eq!(outside, (400, "the box 150,24,24,28 in frame 2 is not wholly inside 160x120 pixels".to_owned()));
+    assert_eq!(outside, (400, "the box 150,24,24,28 of car in frame 2 is not wholly inside 160x120 pixels".to_owned()));
     let (status, _, said) = post("frame\n", "my%20boxes.csv");
     assert!(status == 400 && said.starts_with(b"my boxes.csv: line 1: there is no column x"));
     let latin = viewer.asked(&format!("POST /{}/boxes?name=a.csv", viewer.token), "", "frame\0");

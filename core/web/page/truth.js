@@ -97,7 +97,7 @@ export class Truth {
   async send() {
     clearTimeout(this.#sending);
     this.#sending = null;
-    const ids = [...this.#unsent];
+    const ids = app.edits.targets.map(({ id }) => id).filter((id) => this.#unsent.has(id));
     this.#unsent.clear();
     // What is checked now: a change of boxes meanwhile has taken frames away.
     await Promise.all(ids.map((id) => trying(app.source.checked(id, app.edits.checked.get(id) ?? []))));

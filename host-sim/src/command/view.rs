@@ -108,8 +108,7 @@ impl View {
             }
         }
         if is_read {
-            let locks = targets.iter().flat_map(|target| &target.locks);
-            check_inside(locks, size).with_context(|| from.clone())?;
+            check_inside(targets.iter().flat_map(Target::named_locks), size).with_context(|| from.clone())?;
         }
         let followed = Arc::new(Followed::new(variant, targets, source.as_ref()).with_context(|| from)?);
         let made = Arc::new(Made::new()?);
@@ -326,10 +325,6 @@ impl Requests for Desk {
         ensure!(is_kept, "the frames of a camera are not kept: record it with ffmpeg, and view the file");
         let targets: Vec<Target> = followed.targets().into_iter().filter(|target| !target.locks.is_empty()).collect();
         ensure!(!targets.is_empty(), "there is no target yet: drag a box first");
-        let twice = (1..targets.len()).find(|&at| targets[..at].iter().any(|other| other.name == targets[at].name));
-        if let Some(Target { name, .. }) = twice.map(|at| &targets[at]) {
-            bail!("two targets are called {name}: give one of them another name");
-        }
         let Variant { kind, options, .. } = followed.variant();
         let is_report = ending == "html";
         let ids = targets.iter().map(|target| target.id.to_string()).collect::<Vec<_>>().join(",");

@@ -43,6 +43,10 @@ impl Target {
         (1..).zip(given).map(target).collect()
     }
 
+    pub fn named_locks(&self) -> impl Iterator<Item = (&str, &Lock)> {
+        self.locks.iter().map(|lock| (&*self.name, lock))
+    }
+
     /// True if two pages gave the same id to different targets, which share neither name nor lock.
     pub(super) fn is_another(&self, other: &Self) -> bool {
         self.id == other.id
@@ -62,13 +66,19 @@ impl Lock {
     }
 }
 
-/// Returns an error if the box of a lock is not wholly inside frames of this width and height; empty boxes pass.
-pub fn check_inside<'a>(locks: impl IntoIterator<Item = &'a Lock>, (width, height): (u16, u16)) -> Result<()> {
-    for (rect, number) in locks.into_iter().filter_map(|lock| Some((lock.rect()?, lock.frame))) {
+/// Returns an error if the box of a lock, given with the name of its target, is not wholly inside frames of this width
+/// and height; empty boxes pass.
+pub fn check_inside<'a>(
+    locks: impl IntoIterator<Item = (&'a str, &'a Lock)>,
+    (width, height): (u16, u16),
+) -> Result<()> {
+    for (name, lock) in locks {
+        let Some(rect) = lock.rect().filter(|rect| !rect.is_empty()) else { continue };
         let Rect { x, y, width: wide, height: high } = rect;
         ensure!(
-            rect.is_empty() || is_inside(rect, (width, height)),
-            "the box {x},{y},{wide},{high} in frame {number} is not wholly inside {width}x{height} pixels"
+            is_inside(rect, (width, height)),
+            "the box {x},{y},{wide},{high} of {name} in frame {} is not wholly inside {width}x{height} pixels",
+            lock.frame
         );
     }
     Ok(())

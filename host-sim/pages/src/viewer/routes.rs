@@ -6,6 +6,7 @@ use super::ordered_files::{Job, Made};
 use super::server::{Reply, Request, Server};
 use super::session::Session;
 use super::source::{Known, Source};
+use super::spans::Spans;
 use super::truth_recording::Recordings;
 use crate::export::boxes::{Format, rounded};
 use crate::{encode, front_end};
@@ -124,8 +125,8 @@ impl Viewer {
             (true, "targets", "") => {
                 let targets: Vec<Target> = serde_json::from_slice(body).context("expected a list of targets")?;
                 let (former, before) = self.followed.revision();
-                let is_new = |lock: &&Lock| !former.iter().any(|target| target.locks.contains(lock));
-                check_inside(targets.iter().flat_map(|target| &target.locks).filter(is_new), self.size)?;
+                let is_new = |(_, lock): &(&str, &Lock)| !former.iter().any(|target| target.locks.contains(lock));
+                check_inside(targets.iter().flat_map(Target::named_locks).filter(is_new), self.size)?;
                 let made = self.followed.set_targets(targets, *revision, self.source.as_ref())?;
                 if made != before {
                     self.keep();
@@ -160,7 +161,11 @@ impl Viewer {
             (true, "report", "") => self.make("html", Vec::new())?,
             (true, "recording", "") => self.write_recording()?,
             (true, "checked", "") => {
-                self.followed.checks(field(body, "target")?, field(body, "frames")?);
+                let frames: Spans = field(body, "frames")?;
+                if let Some((last, all)) = frames.last_to(usize::MAX).zip(self.known().frames) {
+                    ensure!(last <= all, "there is no frame {last}: expected 1 to {all}");
+                }
+                self.followed.checks(field(body, "target")?, frames)?;
                 self.keep();
                 json_reply(&json!({}))
             }

@@ -33,7 +33,7 @@ impl Recordings {
         let folder = Folder::create(&self.names(place).find(is_free).context("no name is free")?)?;
         let mut done = 0;
         for (target, part) in &self.parts {
-            let name = name_of(target, part);
+            let name = self.name_of(target, part);
             let place = if self.parts.len() == 1 { folder.path().to_owned() } else { folder.path().join(&name) };
             write_part(&place, &name, part, source, || {
                 done += 1;
@@ -57,6 +57,10 @@ impl Recordings {
         })
     }
 
+    fn name_of(&self, target: &Target, part: &Part) -> String {
+        format!("{}-{}-{}-{}", self.name, target.name, part.first, part.first + part.boxes.len() - 1)
+    }
+
     fn notes(&self) -> String {
         let Self { name, method, parts } = self;
         let mut text = format!(
@@ -69,7 +73,7 @@ impl Recordings {
             let (drawn, none) = (drawn.count(), part.boxes.iter().filter(|bbox| bbox.is_none()).count());
             text += &format!(
                 "{}: {} in the frames {} to {last} of {name}, of them {drawn} by hand, {none} hidden or gone\n",
-                name_of(target, part),
+                self.name_of(target, part),
                 target.name,
                 part.first,
             );
@@ -83,10 +87,6 @@ of the tracker {method} that the user has looked at. Frames that nobody has look
 "
         )
     }
-}
-
-fn name_of(target: &Target, part: &Part) -> String {
-    format!("{}-{}-{}", target.name, part.first, part.first + part.boxes.len() - 1)
 }
 
 fn write_part(

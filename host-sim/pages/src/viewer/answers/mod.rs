@@ -13,7 +13,7 @@ use super::lock;
 use super::model::{Target, TargetSpan, differing};
 use super::source::{Known, Source};
 use super::spans::Spans;
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use change_log::ChangeLog;
 use segment::Segment;
 use smr_evaluation::Variant;
@@ -109,7 +109,7 @@ impl Followed {
     /// Replaces the targets, tracks only changed frame ranges again, and returns the new revision; `revision` is the
     /// latest that the page has seen. Errors: A box without pixels, two locks of a target in one frame, a "gone" lock
     /// before a target's first box or directly after another "gone" lock, a new lock in a frame that does not exist or
-    /// is no longer kept, an invalid name, two targets with one id, or targets that another page has changed.
+    /// is no longer kept, an invalid name, two targets with one id or name, or targets that another page has changed.
     pub(super) fn set_targets(&self, targets: Vec<Target>, revision: Option<u64>, source: &dyn Source) -> Result<u64> {
         let (known, oldest) = (source.known().frames, source.oldest());
         self.change(|state| {
@@ -141,10 +141,13 @@ impl Followed {
         })
     }
 
-    /// Records that the user has looked at a target in these frames. No page is told: answers stay the same.
-    pub(super) fn checks(&self, target: u32, frames: Spans) {
+    /// Records that the user has looked at a target in these frames. No page is told: answers stay the same. Errors: There
+    /// is no such target.
+    pub(super) fn checks(&self, target: u32, frames: Spans) -> Result<()> {
         let mut state = self.state();
-        state.targets.iter_mut().filter(|one| one.id == target).for_each(|one| one.checked.add(frames.clone()));
+        let of = state.targets.iter_mut().find(|one| one.id == target);
+        of.with_context(|| format!("there is no target {target}: it was removed"))?.checked.add(frames);
+        Ok(())
     }
 
     pub(super) fn set_variant(&self, variant: Variant) {

@@ -116,9 +116,11 @@ impl State {
                 bail!("frame {frame} of {all}: trackers can go back to frame {oldest} only: lock in a newer frame");
             }
         }
-        let twice = (1..targets.len()).find(|&at| targets[..at].iter().any(|one| one.id == targets[at].id));
-        if let Some(at) = twice {
-            bail!("two targets have the id {}: expected one", targets[at].id);
+        for (at, target) in targets.iter().enumerate() {
+            let Target { id, name, .. } = target;
+            ensure!(targets[..at].iter().all(|one| one.id != *id), "two targets have the id {id}: expected one");
+            let is_free = targets[..at].iter().all(|one| one.name != *name);
+            ensure!(is_free, "two targets are called {name}: give one of them another name");
         }
         Ok(targets)
     }

@@ -148,6 +148,26 @@ fn numbers_at_the_ends_of_every_type_are_refused_with_words() {
     following.join().unwrap();
 }
 
+#[test]
+fn what_is_not_there_cannot_be_looked_at_and_no_two_targets_have_one_name() {
+    let viewer = viewer();
+    let target =
+        |id: u8, name: &str| format!(r#"{{"id":{id},"name":"{name}","locks":[{{"frame":1,"box":[36,24,24,28]}}]}}"#);
+    let twice = viewer.replied(true, "targets", &format!("[{},{}]", target(1, "car"), target(2, "car")));
+    assert_eq!(twice, (400, "two targets are called car: give one of them another name".to_owned()));
+    assert_eq!(viewer.replied(true, "targets", &format!("[{}]", target(1, "car"))).0, 200);
+    let all = synthetic::LENGTH;
+    for (id, last, said) in [
+        (1, all, None),
+        (1, all + 1, Some(format!("there is no frame {}: expected 1 to {all}", all + 1))),
+        (9, 2, Some("there is no target 9: it was removed".to_owned())),
+    ] {
+        let reply = viewer.replied(true, "checked", &format!(r#"{{"target":{id},"frames":[[2,{last}]]}}"#));
+        assert_eq!((reply.0 == 200, said.as_ref().is_none_or(|said| reply.1 == *said)), (said.is_none(), true));
+    }
+    assert_eq!(viewer.followed.targets()[0].checked, vec![(2, all)].into());
+}
+
 /// Looks at the target in all frames but two, and writes the parts that were looked at.
 #[test]
 fn what_was_looked_at_is_written_as_recordings_that_eval_takes() {
@@ -194,10 +214,12 @@ fn what_was_looked_at_is_written_as_recordings_that_eval_takes() {
     );
     let notes = fs::read_to_string(out.join("README.txt")).unwrap();
     assert!(
-        notes.contains("\nship-1-40: ship in the frames 1 to 40 of synthetic, of them 3 by hand, 5 hidden or gone\n"),
+        notes.contains(
+            "\nsynthetic-ship-1-40: ship in the frames 1 to 40 of synthetic, of them 3 by hand, 5 hidden or gone\n"
+        ),
         "{notes}"
     );
-    let first = smr_recordings::open(&out.join("ship-1-40"), &OpenOptions::default()).unwrap();
+    let first = smr_recordings::open(&out.join("synthetic-ship-1-40"), &OpenOptions::default()).unwrap();
     let truth = first.truth.unwrap();
     assert_eq!((truth.len(), first.init), (40, truth[0]));
     assert_eq!(truth[31], Some([62, 42, 24, 28].into()), "on the line");
@@ -211,7 +233,7 @@ fn what_was_looked_at_is_written_as_recordings_that_eval_takes() {
     let csv = measured.tables.unwrap().csv(smr_evaluation::TableName::Measured).unwrap();
     let visible: Vec<_> =
         csv.lines().skip(1).map(|line| line.split(',').skip(1).take(3).collect::<Vec<_>>().join(" ")).collect();
-    assert_eq!(visible.first().map(String::as_str), Some("ship-1-40 40 35"), "{csv}");
+    assert_eq!(visible.first().map(String::as_str), Some("synthetic-ship-1-40 40 35"), "{csv}");
     viewer.followed.stop();
     following.join().unwrap();
 }
