@@ -334,7 +334,10 @@ impl Viewer {
             parts.into_iter().map(|part| (target.clone(), part)).collect::<Vec<_>>()
         };
         let parts: Vec<_> = self.followed.rows().into_iter().flat_map(known).collect();
-        ensure!(!parts.is_empty(), "nothing is checked yet: play the recording, and correct the box where it is wrong");
+        ensure!(
+            !parts.is_empty(),
+            "nothing is checked yet from a box inside the frame on: play the recording, and correct the box where it is wrong"
+        );
         let name = format!("{} with truth", self.name);
         let recordings = Recordings { name: plain(&self.name), method: self.followed.variant().kind.name(), parts };
         let (place, source, followed) = (self.place.clone(), Arc::clone(&self.source), Arc::clone(&self.followed));
