@@ -587,6 +587,26 @@ fn nothing_is_left_when_it_is_ended() {
     assert_eq!(fs::read_dir(viewer.folder.path()).unwrap().count(), 0);
 }
 
+/// A recording with truth of several parts is there whole, or not at all.
+#[cfg(unix)]
+#[test]
+fn no_part_of_a_recording_is_left_when_it_is_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = &recording(&folder)[..];
+    let mut car = target(&[(1, [36, 24, 24, 28])]);
+    car[0]["checked"] = json!([[1, 15], [20, 40]]);
+    let mut viewer = Viewer::open(&[recording]);
+    assert_eq!(viewer.post("targets", &car).0, 200);
+    viewer.followed();
+    assert_eq!(viewer.post("recording", &json!({})).0, 200);
+    assert_eq!(viewer.interrupt(), Some(130));
+    let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    let whole = folder.path().join("synthetic-truth");
+    let expected = ["synthetic", "synthetic-truth", "synthetic.smr.json"];
+    assert!(names.iter().all(|name| expected.iter().any(|known| name == known)), "{names:?}");
+    assert_eq!(whole.exists(), whole.join("README.txt").exists());
+}
+
 /// The median request for a frame of a one-hour video takes less than two seconds; the server stays below 300 MiB.
 #[cfg(target_os = "linux")]
 #[test]

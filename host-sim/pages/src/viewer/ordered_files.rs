@@ -224,3 +224,30 @@ impl Made {
         Ok(said.lines().filter_map(|line| Some(line.strip_prefix("note: ")?.replace(&place, ""))).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc;
+
+    #[test]
+    fn a_recording_is_ordered_once_at_a_time() {
+        let made = Arc::new(Made::new().unwrap());
+        let order = |name: &str| {
+            let (end, ending) = mpsc::channel::<()>();
+            let (say, told) = mpsc::channel();
+            let write = move |_: &dyn Fn(f64) -> bool| {
+                ending.recv()?;
+                Ok((PathBuf::new(), String::new()))
+            };
+            made.write(name.to_owned(), write, move |id| _ = say.send(id)).map(|id| (id, end, told))
+        };
+        let (first, end, told) = order("a with truth").unwrap();
+        let twice = order("a with truth").unwrap_err().to_string();
+        assert!(twice.starts_with("a with truth is being written already: wait"), "{twice}");
+        assert!(order("b with truth").is_ok());
+        end.send(()).unwrap();
+        assert_eq!(told.iter().collect::<Vec<_>>(), [first, first]);
+        assert!(order("a with truth").is_ok());
+    }
+}
