@@ -17,7 +17,7 @@ use smr_pages::viewer::{
     Camera, Followed, Growing, Job, Lock, Made, Requests, Server, Session, Source, Target, Viewer, Work, check_inside,
     plain,
 };
-use smr_recordings::annotations;
+use smr_recordings::annotations::{self, Labelled};
 use smr_recordings::{BUILT_IN, FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
 use std::ffi::OsString;
 use std::io::Write;
@@ -39,6 +39,8 @@ pub struct View {
     /// CSV: a box without a confidence is a lock; other boxes are answers, which the tracker computes again. If the file has states, a
     /// target is gone in each frame without a line. CVAT for video: each key frame is a lock, and `outside` means gone. CVAT for images:
     /// each shape is a lock of the target that its label names. A shape is read as its bounding box; shapes with source="auto" are answers.
+    /// Label Studio: of several videos, that with the name of SEQ is read; if it has numbered another count of frames (by 24 a second, unless
+    /// its configuration says otherwise), each box belongs to the frame at its time.
     #[arg(long, value_name = "FILE", conflicts_with = "init")]
     boxes: Option<PathBuf>,
     /// The file that keeps the targets, the method and its options [default: SEQ.smr.json, beside the recording]
@@ -77,6 +79,8 @@ struct Opened {
     /// File names of the pictures; empty if the recording is not a folder of pictures.
     images: Vec<String>,
     length: Option<usize>,
+    /// Count of the frames, which takes longer to find for a video than its first frame: only for a file of boxes.
+    counted: Option<usize>,
     beside: Option<Rect>,
 }
 
@@ -85,10 +89,11 @@ impl View {
         Places::of([&self.source]).writes("--session", self.session.as_ref(), None).check()?;
         let method = self.method.or_else(|| self.tracker.method());
         let given = self.tracker.variant(method.unwrap_or(MethodKind::Robust))?;
-        let Opened { name, source, images, length, beside } = self.open()?;
+        let Opened { name, source, images, length, counted, beside } = self.open()?;
         let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.gray;
         let size = (first.width, first.height);
-        let targets = self.targets(beside, length, size).with_context(|| name.clone())?;
+        let labelled = Labelled { name: &name, size, frames: counted };
+        let targets = self.targets(beside, length, &labelled).with_context(|| name.clone())?;
         let is_live = source.live().is_some();
         let session_file = self.session_file(is_live);
         let place = session_file.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
@@ -147,7 +152,7 @@ impl View {
             let live = if is_stdin { Live::stdin()? } else { Live::open(path, patience.unwrap_or(FFMPEG_PATIENCE))? };
             let name = live.name.clone();
             let (source, images) = (Arc::new(Camera::new(live)), Vec::new());
-            return Ok(Opened { name, source, images, length: None, beside: None });
+            return Ok(Opened { name, source, images, length: None, counted: None, beside: None });
         }
         ensure!(
             is_seekable(path) || !path.exists(),
@@ -166,13 +171,15 @@ impl View {
         }
         let beside = sequence.init.is_some().then(|| sequence.start()).transpose()?;
         let (images, length) = (sequence.source.image_names(), sequence.length);
-        Ok(Opened { name: sequence.name, source: Arc::new(source), images, length, beside })
+        let count = || sequence.source.length(patience.unwrap_or(FFMPEG_PATIENCE));
+        let counted = length.or_else(|| self.boxes.as_ref().and_then(|_| count()));
+        Ok(Opened { name: sequence.name, source: Arc::new(source), images, length, counted, beside })
     }
 
     /// Targets of the command line, or else the one from files beside the recording.
-    fn targets(&self, beside: Option<Rect>, length: Option<usize>, size: (u16, u16)) -> Result<Vec<Target>> {
+    fn targets(&self, beside: Option<Rect>, length: Option<usize>, of: &Labelled<'_>) -> Result<Vec<Target>> {
         let (mut given, option) = match &self.boxes {
-            Some(file) => (annotations::read(file, size).with_context(|| file.display().to_string())?, "--boxes"),
+            Some(file) => (annotations::read(file, of).with_context(|| file.display().to_string())?, "--boxes"),
             None => (smr_recordings::Target::all(&self.init, 1)?, "--init"),
         };
         smr_recordings::Target::check_frames(&given, 1, length, option)?;

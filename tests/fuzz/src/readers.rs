@@ -2,8 +2,9 @@
 
 use smr_core::Rect;
 use smr_evaluation::robustness::Former;
+use smr_recordings::annotations::{self, Labelled};
 use smr_recordings::boxes::{self, Form};
-use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence, annotations, check_gone};
+use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence, check_gone};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -70,7 +71,8 @@ pub(crate) fn raw(bytes: &[u8]) {
 
 /// Checks that each target begins with a box, has at most one entry in a frame, and boxes with pixels.
 fn annotated(bytes: &[u8]) {
-    for target in annotations::parse(bytes, (320, 240)).unwrap_or_default() {
+    let of = Labelled { name: "clip", size: (320, 240), frames: Some(300) };
+    for target in annotations::parse(bytes, &of).unwrap_or_default() {
         let locks = target.rects().expect("boxes have pixels");
         assert!(locks.is_sorted_by_key(|(frame, _)| *frame) && locks[0].0 > 0 && locks[0].1.is_some());
         let frames = || locks.iter().map(|(frame, bbox)| (*frame, bbox.is_some()));

@@ -281,6 +281,7 @@ mod tests {
     use super::*;
     use smr_core::{State, paper};
     use smr_evaluation::{Configs, MethodKind, Variant};
+    use smr_recordings::annotations::{self, Labelled};
 
     fn printer(format: Format, method: MethodKind, targets: &[Option<&str>]) -> Printer {
         let origin = Variant::new(method, &Configs::from(paper::Config::paper())).origin();
@@ -425,7 +426,8 @@ mod tests {
         for (frame, report) in [Some(seen), Some(answered), Some(lost), None, None, Some(seen)].iter().enumerate() {
             cvat.line(&answer(0, frame + 1, report.as_ref())).unwrap();
         }
-        let read = smr_recordings::annotations::parse(cvat.foot().unwrap().as_bytes(), (320, 240)).unwrap();
+        let of = Labelled { name: "", size: (320, 240), frames: None };
+        let read = annotations::parse(cvat.foot().unwrap().as_bytes(), &of).unwrap();
         assert_eq!(read[0].rects().unwrap(), [(1, seen.bbox), (4, None), (6, seen.bbox)]);
     }
 

@@ -17,7 +17,8 @@ use serde_json::{Map, Value, json};
 use smr_evaluation::{MethodAnswer, Variant, name_of};
 use smr_files::messages::{self, choice_name};
 use smr_files::output::complain;
-use smr_recordings::{BoundingBox, FrameNumber, annotations};
+use smr_recordings::annotations::{self, Labelled};
+use smr_recordings::{BoundingBox, FrameNumber};
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -135,7 +136,8 @@ impl Viewer {
             }
             (true, "boxes", "") => {
                 let name = value(query, "name").map_or("these boxes".to_owned(), decoded);
-                let targets = annotations::parse(body, self.size).and_then(Target::numbered).context(name)?;
+                let of = Labelled { name: &self.name, size: self.size, frames: self.known().frames };
+                let targets = annotations::parse(body, &of).and_then(Target::numbered).context(name)?;
                 json_reply(&json!({ "targets": targets }))
             }
             (true, "method", "") => {

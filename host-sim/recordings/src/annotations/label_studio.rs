@@ -1,21 +1,31 @@
 //! JSON of Label Studio, <https://labelstud.io/guide/export>: the regions `videorectangle` of a video. Frames count from 1;
 //! sides are in percent of the frame, and a box is turned about its upper left corner.
 
+use super::Labelled;
 use super::track::{Entry, Seen, Track, unused};
 use crate::bounding_box::BoundingBox;
 use crate::frame_number::FrameNumber;
 use anyhow::{Context, Result, anyhow, ensure};
 use serde::Deserialize;
+use serde_json::Value as Json;
 use std::collections::{HashMap, HashSet};
 
+/// A video, with the work of each person on it.
 #[derive(Deserialize)]
 struct Task {
-    annotations: Vec<Annotation>,
+    /// Absent from the export "JSON-MIN".
+    annotations: Option<Vec<Annotation>>,
+    /// Names the video, by an address in any of its fields.
+    #[serde(default)]
+    data: HashMap<String, Json>,
 }
 
 #[derive(Deserialize)]
 struct Annotation {
     result: Vec<Region>,
+    /// True if the person has skipped the video.
+    #[serde(default)]
+    was_cancelled: bool,
 }
 
 #[derive(Deserialize)]
@@ -33,6 +43,9 @@ struct Value {
     sequence: Vec<KeyFrame>,
     #[serde(default)]
     labels: Vec<String>,
+    /// Count of the frames that Label Studio has numbered: by 24 a second unless its configuration says otherwise.
+    #[serde(default, rename = "framesCount")]
+    frames: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -54,44 +67,106 @@ const fn enabled() -> bool {
     true
 }
 
-/// Parses the export of one video, whose frames have the size `size`.
-pub(super) fn tracks(text: &str, size: (u16, u16)) -> Result<Vec<Track>> {
+/// Parses an export. Of several videos, the one with the recording's name is taken.
+pub(super) fn tracks(text: &str, of: &Labelled<'_>) -> Result<Vec<Track>> {
     let wrong = |error: serde_json::Error| {
         let line = error.line();
         anyhow!("line {line}: it is damaged, or no JSON of Label Studio ({error}): expected its export of a video")
     };
     let tasks: Vec<Task> = serde_json::from_str(text).map_err(wrong)?;
-    let annotations: Vec<&Annotation> = tasks.iter().flat_map(|task| &task.annotations).collect();
+    ensure!(
+        tasks.is_empty() || tasks.iter().any(|task| task.annotations.is_some()),
+        "no task of it has annotations: expected Label Studio's export JSON, not JSON-MIN"
+    );
+    let done = task_of(&tasks, of.name)?.and_then(|task| task.annotations.as_ref());
+    let annotations: Vec<_> = done.into_iter().flatten().filter(|annotation| !annotation.was_cancelled).collect();
     ensure!(
         annotations.len() <= 1,
-        "it has {} annotations: expected that of one video by one person",
+        "it has {} annotations of the video: expected that of one person",
         annotations.len()
     );
     let regions = annotations.iter().flat_map(|annotation| &annotation.result);
     let mut names = HashMap::new();
     regions
         .filter(|region| region.kind == "videorectangle")
-        .map(|region| track(&region.value, size, &mut names))
+        .map(|region| track(&region.value, of, &mut names))
         .collect()
 }
 
-fn track(value: &Value, size: (u16, u16), names: &mut HashMap<String, usize>) -> Result<Track> {
+/// Returns the task about the video `name`; a single task is about any video.
+fn task_of<'a>(tasks: &'a [Task], name: &str) -> Result<Option<&'a Task>> {
+    if tasks.len() <= 1 {
+        return Ok(tasks.first());
+    }
+    let mut named = tasks.iter().filter(|task| task.videos().any(|video| is_called(video, name)));
+    let found = named.next();
+    ensure!(
+        found.is_some() && named.next().is_none(),
+        "it is about {} videos: expected one called {name}",
+        tasks.len()
+    );
+    Ok(found)
+}
+
+impl Task {
+    /// Returns the file names of its data, without their extensions.
+    fn videos(&self) -> impl Iterator<Item = &str> {
+        let addresses = self.data.values().filter_map(Json::as_str);
+        addresses.filter_map(|address| {
+            let file = address.rsplit(['/', '\\', '=']).next()?;
+            Some(file.rsplit_once('.').map_or(file, |(stem, _)| stem))
+        })
+    }
+}
+
+/// True if Label Studio's file `video` is the video `name`: an upload has a number of eight hexadecimal digits before its
+/// name, and other characters for some.
+fn is_called(video: &str, name: &str) -> bool {
+    let plain = |text: &str| text.chars().map(|letter| if letter.is_alphanumeric() { letter } else { '_' }).collect();
+    let (video, name): (String, String) = (plain(video), plain(name));
+    let upload =
+        video.split_once('_').filter(|(number, _)| number.len() == 8 && u32::from_str_radix(number, 16).is_ok());
+    video == name || upload.is_some_and(|(_, rest)| rest == name)
+}
+
+fn track(value: &Value, of: &Labelled<'_>, names: &mut HashMap<String, usize>) -> Result<Track> {
     let name = unused(value.labels.first().map_or("target", String::as_str), names)?;
     let mut entries = Vec::new();
-    let mut frames = HashSet::new();
+    let (mut counted, mut frames) = (HashSet::new(), HashSet::new());
     for key in &value.sequence {
-        let frame = key.frame.get();
-        ensure!(frames.insert(frame), "{name} is in frame {frame} twice: expected one box of a target in a frame");
-        let bbox = key.bounds(size).with_context(|| format!("{name} in frame {frame}"))?;
-        entries.push(Entry { frame, at: 0, seen: Seen::Box(bbox) });
+        let number = key.frame.get();
+        ensure!(counted.insert(number), "{name} is in frame {number} twice: expected one box of a target in a frame");
+        let bbox = key.bounds(of.size).with_context(|| format!("{name} in frame {number}"))?;
+        let frame = value.in_recording(key.frame, of.frames);
+        // Of two boxes that fall into one frame of the recording, the first in the file is taken.
+        if frames.insert(frame) {
+            entries.push(Entry { frame, at: 0, seen: Seen::Box(bbox) });
+        }
     }
     for key in value.sequence.iter().filter(|key| !key.enabled) {
-        let frame = key.frame.get() + 1;
-        if !frames.contains(&frame) {
+        let frame = value.in_recording(key.frame, of.frames) + 1;
+        if frames.insert(frame) {
             entries.push(Entry { frame, at: 0, seen: Seen::Gone });
         }
     }
     Ok(Track { name: Some(name), entries, is_line: true })
+}
+
+impl Value {
+    /// Returns a frame as the recording counts it: at the same time, if Label Studio has counted another number of frames.
+    fn in_recording(&self, frame: FrameNumber, frames: Option<usize>) -> usize {
+        let frame = frame.get();
+        #[allow(clippy::cast_precision_loss)] // exact: numbers of frames are below 2^31
+        let both = self.frames.zip(frames).map(|(counted, frames)| (counted, frames as f64));
+        let Some((counted, frames)) =
+            both.filter(|(counted, frames)| *counted >= 1.0 && (counted - frames).abs() > 1.0)
+        else {
+            return frame;
+        };
+        #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+        let moved = ((frame - 1) as f64 * frames / counted).round() as usize + 1;
+        moved.min(FrameNumber::MAX)
+    }
 }
 
 impl KeyFrame {

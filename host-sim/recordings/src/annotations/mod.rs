@@ -20,19 +20,28 @@ use std::path::Path;
 /// Files of boxes: 64 MiB are enough for a million lines of 67 bytes.
 const KIND: Kind = Kind { expected: "CSV, CVAT XML or JSON of Label Studio", most: 64 };
 
-/// Reads a file of boxes in frames of the size `size`. Errors: It is of no known kind, an entry is wrong, or there is no box
-/// to lock on.
-pub fn read(file: &Path, size: (u16, u16)) -> Result<Vec<Target>> {
-    parse(&input::bytes(file, &KIND)?, size)
+/// The recording whose boxes are in a file.
+#[derive(Clone, Copy)]
+pub struct Labelled<'a> {
+    /// Name without extension, by which it is found in a file about several recordings.
+    pub name: &'a str,
+    pub size: (u16, u16),
+    /// Count of its frames, if known.
+    pub frames: Option<usize>,
+}
+
+/// Reads a file of boxes. Errors: It is of no known kind, an entry is wrong, or there is no box to lock on.
+pub fn read(file: &Path, of: &Labelled<'_>) -> Result<Vec<Target>> {
+    parse(&input::bytes(file, &KIND)?, of)
 }
 
 /// Parses the content of a file of boxes. Errors: as [`read`].
-pub fn parse(bytes: &[u8], size: (u16, u16)) -> Result<Vec<Target>> {
+pub fn parse(bytes: &[u8], of: &Labelled<'_>) -> Result<Vec<Target>> {
     let text = input::decoded(bytes, &KIND)?;
     ensure!(!text.trim().is_empty(), "it is empty: expected {}", KIND.expected);
     let tracks = match text.trim_start().as_bytes().first() {
         Some(b'<') => cvat::tracks(&text)?,
-        Some(b'[') => label_studio::tracks(&text, size)?,
+        Some(b'[') => label_studio::tracks(&text, of)?,
         Some(b'{') => bail!("it is an object of JSON: expected a list in [ ], as Label Studio exports it"),
         _ => csv::tracks(&text)?,
     };
@@ -50,7 +59,7 @@ mod tests {
     use super::*;
     use crate::bounding_box::BoundingBox;
 
-    const SIZE: (u16, u16) = (200, 100);
+    const RECORDING: Labelled<'_> = Labelled { name: "clip 1", size: (200, 100), frames: None };
 
     /// Returns each target as text: its name, then its locks with their frames.
     fn read(text: &str) -> Result<Vec<String>, String> {
@@ -61,7 +70,7 @@ mod tests {
             let locks: Vec<_> = starts.into_iter().map(lock).collect();
             format!("{} {}", name.unwrap_or_default(), locks.join(" "))
         };
-        parse(text.as_bytes(), SIZE)
+        parse(text.as_bytes(), &RECORDING)
             .map(|all| all.into_iter().map(target).collect())
             .map_err(|error| format!("{error:#}"))
     }
@@ -106,7 +115,7 @@ mod tests {
         reads("target;frame;x;y;width;height\n\"Größe 2\";1;1;2;3;4", &["Größe 2 1:1,2,3,4"]);
         let utf16: Vec<u8> =
             "\u{feff}frame\tx\ty\twidth\theight\n1\t1\t2\t3\t4".encode_utf16().flat_map(u16::to_le_bytes).collect();
-        assert_eq!(parse(&utf16, SIZE).unwrap().len(), 1);
+        assert_eq!(parse(&utf16, &RECORDING).unwrap().len(), 1);
     }
 
     #[test]
@@ -200,7 +209,7 @@ mod tests {
         let shape = |frame: u8, more: &str| format!("<box frame=\"{frame}\" keyframe=\"1\" {more} {corners}/>\n");
         let outside = shape(9, "outside=\"1\"");
         let boxes = [shape(0, ""), shape(4, ""), outside, shape(12, ""), shape(14, "source=\"auto\""), shape(20, "")];
-        let lines = |text: &str| parse(text.as_bytes(), SIZE).unwrap().remove(0).lines;
+        let lines = |text: &str| parse(text.as_bytes(), &RECORDING).unwrap().remove(0).lines;
         assert_eq!(lines(&track(&boxes.concat())), [1]);
         assert_eq!(lines("frame,x,y,width,height\n1,1,2,3,4\n9,5,6,7,8"), [0; 0]);
     }
@@ -237,7 +246,7 @@ mod tests {
                 "target 2:20,20.5,60,40 3:gone",
             ],
         );
-        assert_eq!(parse(car.as_bytes(), SIZE).unwrap()[0].lines, [1]);
+        assert_eq!(parse(car.as_bytes(), &RECORDING).unwrap()[0].lines, [1]);
         let one = |keys: &[String]| file(&[region(keys, "")]);
         for (text, said) in [
             ("[1]", "line 1: it is damaged, or no JSON of Label Studio"),
@@ -256,10 +265,49 @@ mod tests {
             ("[]", "there is no box to lock on"),
             (
                 &car.replace("}],\"data", "},{\"result\":[]}],\"data"),
-                "it has 2 annotations: expected that of one video by one person",
+                "it has 2 annotations of the video: expected that of one person",
+            ),
+            (
+                "[{\"id\":1,\"video\":\"a.mp4\",\"box\":[]}]",
+                "no task of it has annotations: expected Label Studio's export JSON, not",
             ),
         ] {
             refuses(text, said);
+        }
+    }
+
+    #[test]
+    fn the_recording_is_found_in_an_export_of_several_videos() {
+        let task = |video: &str, label: &str| {
+            let key = r#"{"frame":13,"x":10,"y":20,"width":30,"height":40,"enabled":true,"rotation":0,"time":0.5}"#;
+            let value = format!(r#"{{"framesCount":240,"duration":10,"sequence":[{key}],"labels":["{label}"]}}"#);
+            let region = format!(r#"{{"type":"videorectangle","from_name":"box","to_name":"video","value":{value}}}"#);
+            format!(
+                r#"{{"annotations":[{{"was_cancelled":true,"result":[]}},{{"was_cancelled":false,"result":[{region}]}}],"drafts":[],"data":{{"video":"{video}","fps":24}}}}"#
+            )
+        };
+        let export = |videos: &[&str]| {
+            format!(
+                "[{}]",
+                videos.iter().map(|video| task(video, &format!("in {}", video.len()))).collect::<Vec<_>>().join(",")
+            )
+        };
+        for mine in
+            ["/data/upload/1/3d3ad63e-clip_1.mp4", "/data/local-files/?d=clip 1.mp4", "https://host/a.b/clip 1.webm"]
+        {
+            let others = ["/data/upload/1/3d3ad63e-clip_11.mp4", "clip.mp4", "s3://clip 1/other.mp4"];
+            let found = export(&[others[0], mine, others[1], others[2]]);
+            let at = Labelled { frames: Some(300), ..RECORDING };
+            let read = parse(found.as_bytes(), &at).unwrap();
+            // Label Studio has counted 24 frames a second, and the recording has 30.
+            assert_eq!((read.len(), read[0].starts[0].0), (1, 16), "{mine}");
+            assert_eq!(read[0].name.as_deref(), Some(&*format!("in {}", mine.len())), "{mine}");
+            refuses(&export(&others), "it is about 3 videos: expected one called clip 1");
+            refuses(&export(&[mine, mine]), "it is about 2 videos: expected one called clip 1");
+        }
+        for (frames, frame) in [(None, 13), (Some(240), 13), (Some(241), 13), (Some(250), 14), (Some(120), 7)] {
+            let read = parse(export(&["other.mp4"]).as_bytes(), &Labelled { frames, ..RECORDING }).unwrap();
+            assert_eq!(read[0].starts[0].0, frame, "{frames:?}");
         }
     }
 
@@ -296,7 +344,8 @@ mod tests {
         reads(&track(&(skeleton(0, &seen) + &skeleton(4, &point("1,2", 1)))), &["a 1:1,2,4,7 5:gone"]);
         // A square that is turned by 45 degrees.
         let turned =
-            parse(shape("box", "xtl=\"0\" ytl=\"0\" xbr=\"10\" ybr=\"10\" rotation=\"45\"").as_bytes(), SIZE).unwrap();
+            parse(shape("box", "xtl=\"0\" ytl=\"0\" xbr=\"10\" ybr=\"10\" rotation=\"45\"").as_bytes(), &RECORDING)
+                .unwrap();
         let bounds = turned[0].starts[0].1.unwrap();
         assert!((bounds.x + 2.071).abs() < 1e-3 && (bounds.width - 14.142).abs() < 1e-3, "{bounds}");
     }

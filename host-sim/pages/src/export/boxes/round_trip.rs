@@ -6,8 +6,9 @@ use proptest::prelude::*;
 use serde_json::Value;
 use smr_core::{State, paper};
 use smr_evaluation::{Configs, Evidence, MethodAnswer, MethodKind, Variant};
+use smr_recordings::BoundingBox;
+use smr_recordings::annotations::{self, Labelled};
 use smr_recordings::boxes::Form;
-use smr_recordings::{BoundingBox, annotations};
 use std::collections::BTreeMap;
 use std::fs;
 
@@ -125,6 +126,8 @@ fn bbox(sides: &[f64]) -> BoundingBox {
     BoundingBox { x: sides[0], y: sides[1], width: sides[2], height: sides[3] }
 }
 
+const OF: Labelled<'_> = Labelled { name: "", size: (320, 240), frames: None };
+
 proptest! {
     #[test]
     fn what_is_written_is_read(targets in vec(any_target(), 1..4), name in "[a-zäß.-][a-z ._ö0-9-]{0,5}", is_named: bool) {
@@ -135,7 +138,7 @@ proptest! {
             let last = |cells: &Vec<Cell>| cells.iter().rposition(|cell| !matches!(cell, Cell::Gone)).map_or(0, |at| at + 1);
             let end = if format == Format::Csv { targets.iter().map(last).max().unwrap_or(0) } else { targets[0].len() };
             let (text, expected) = (written(format, &names, &targets), locks(&names, &targets, end));
-            let read = annotations::parse(text.as_bytes(), (320, 240)).unwrap_or_default();
+            let read = annotations::parse(text.as_bytes(), &OF).unwrap_or_default();
             let read: Locks = read.into_iter().map(|one| (name_of(one.name.as_ref()), one.starts)).collect();
             prop_assert_eq!(read, expected, "{}", text);
         }
