@@ -11,6 +11,7 @@ import { ENDED } from "./messages.js";
 import { Playback, frameNamed } from "./playback.js";
 import { answers, app, begin, say, silent, size, targetOf, timeOf, trying } from "./state.js";
 import { chosenTracker, showMethod, showTracker } from "./tracker-settings.js";
+import { Truth } from "./truth.js";
 import { Viewport } from "./viewport.js";
 
 const MAX_LATE = 50; // frames
@@ -190,7 +191,7 @@ function prepare() {
   app.drag = dragOn(byId("stage"));
   app.viewport = new Viewport(byId("stage"), { size, changed: draw, pinched: () => app.drag.drop() });
   prepareDrawing({ visit, choose, rename, remove });
-  app.truth?.prepare();
+  app.truth.prepare();
 }
 
 // Resets the page for a recording or camera that the source has opened.
@@ -215,13 +216,10 @@ function opened(facts) {
   }
 }
 
-/**
- * Runs the application on a source. `openers` maps ids of buttons or fields to actions that open another source; `truth`
- * is of truth.js, if the source saves what the user has checked.
- */
-export async function run(of, openers = {}, truth = null) {
+/** Runs the application on a source. `openers` maps ids of buttons or fields to actions that open another source. */
+export async function run(of, openers = {}) {
   try {
-    [app.source, app.truth] = [of, truth];
+    [app.source, app.truth] = [of, new Truth()];
     const facts = await app.source.open();
     prepare();
     listen();

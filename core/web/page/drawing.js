@@ -81,7 +81,7 @@ function drawFrame() {
     }
   };
   drawStage(byId("stage"), { image, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed: app.proposed, color });
-  app.truth?.look();
+  app.truth.look();
 }
 
 function drawn(target) {
@@ -156,13 +156,13 @@ function drawReadings() {
     first, last, frame: shown ?? first, followed, timeOf,
     strips: edits.targets.map((target) => ({ name: nameOf(target), color: target.color, isChosen: target === chosen, states: (number) => answers.state(target.id, number) })),
     marks: chosen === null ? [] : events(chosen),
-    truth: chosen && app.truth?.marks(chosen),
+    truth: chosen && app.truth.marks(chosen),
   });
   preview.draw({ ...hovered, image: playback.imageOf(hovered.number), size: recording, timeOf });
   drawEvents(byId("events"), allEvents(), { timeOf, goTo: act.visit, chosen: shown });
   drawChosen(chosen);
   drawControls(chosen);
-  app.truth?.draw(chosen);
+  app.truth.draw(chosen);
   drawLimits(byId("files"), edits.targets.length);
   drawCommands(byId("commands"), kind === "live" ? { track: "" } : { view: "", track: "", report: "-o report.html" }, recording, edits.targets);
 }
@@ -264,7 +264,7 @@ function hint(chosen) {
   if (chosen === null) {
     return app.edits.targets.length === 0 ? "Drag a box over what is to be followed." : "Drag a box over the new target.";
   }
-  return app.truth?.hint ?? "";
+  return app.truth.hint;
 }
 
 function droppedOf({ dropped }) {

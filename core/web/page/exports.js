@@ -3,7 +3,7 @@
 import { quoted } from "./command.js";
 import { byId, htmlNode } from "./dom.js";
 
-const FORMATS = { csv: "CSV", json: "JSON", tld: "TLD", vot: "VOT", otb: "OTB", got10k: "GOT-10k", mot: "MOT", coco: "COCO", cvat: "CVAT XML", record: "Flight record" };
+const FORMATS = { csv: "CSV", json: "JSON", tld: "TLD", vot: "VOT", otb: "OTB", got10k: "GOT-10k", mot: "MOT", coco: "COCO", cvat: "CVAT XML", record: "Flight record", session: "Session" };
 const ONE_TARGET = "holds one target only";
 const SHOWN = { "box,name": "boxes and names", "box,name,trail": "boxes, names, trails", box: "boxes", trail: "trails", nothing: "nothing drawn" };
 const MIN_DONE = 0.05; // less says little about the time that is left
@@ -16,16 +16,18 @@ const NO_BOX = "draw a box first";
  */
 export function drawMenu(place, { formats, films }, { take, make }) {
   const boxes = ({ name, several }) => button(FORMATS[name] ?? name, { "data-several": several }, () => take(name));
-  const [csv, ...others] = [...formats].sort((one, other) => (other.name === "csv") - (one.name === "csv")).map(boxes);
+  const only = (format) => formats.filter(({ name }) => name === format).map(boxes);
+  const others = formats.filter(({ name }) => !["csv", "session"].includes(name)).map(boxes);
   const draw = htmlNode("select", { id: "draw" }, ...Object.entries(SHOWN).map(([value, text]) => htmlNode("option", { value }, text)));
   const crop = htmlNode("input", { type: "checkbox", id: "crop" });
   const film = (as) => button(`Video (.${as})`, {}, () => make("film", { as, draw: draw.value, crop: crop.checked }));
   const made = make === undefined || films.length === 0 ? [] : [...films.map(film), htmlNode("label", {}, "with ", draw), htmlNode("label", {}, crop, " cropped to the first target")];
   const lines = [
     ["To watch and to show", made],
-    ["For a spreadsheet, R or Python: a line for each frame", [csv]],
+    ["For a spreadsheet, R or Python: a line for each frame", only("csv")],
     ["With curves and events, to send", make === undefined ? [] : [button("Report (.html)", {}, () => make("report", {}))]],
     ["What you have checked, as truth: a folder for host-sim eval", make === undefined ? [] : [button("Recording with truth", { id: "recording" }, () => make("recording", {}))]],
+    ["Your work, to open here again; beside the video, host-sim view opens it", only("session")],
     ["The boxes, for other programs", others],
   ];
   place.replaceChildren(...lines.filter(([, nodes]) => nodes.length > 0).map(([title, nodes]) => htmlNode("div", { class: "controls", role: "group", "aria-label": title }, ...nodes, htmlNode("small", {}, title))));

@@ -5,7 +5,7 @@ import { byId, htmlNode } from "./dom.js";
 import { drawMade, drawTaken } from "./exports.js";
 import { app, say, trying } from "./state.js";
 
-const TYPES = { csv: "text/csv", jsonl: "application/x-ndjson", smr: "application/octet-stream" };
+const TYPES = { csv: "text/csv", json: "application/json", jsonl: "application/x-ndjson", smr: "application/octet-stream" };
 
 /** Lets the browser save `content` (text, bytes or a blob) as the file `name`. */
 function save(name, content) {
@@ -17,6 +17,7 @@ function save(name, content) {
 }
 
 export async function take(format) {
+  await app.truth.send();
   const file = await trying(app.source.boxes(format, app.edits.chosen));
   if (file !== "") {
     save(file.name, file.bytes);
@@ -25,7 +26,7 @@ export async function take(format) {
 }
 
 export async function make(what, options) {
-  await app.truth?.send();
+  await app.truth.send();
   const made = await trying(app.source.make(what, options));
   if (made !== "" && !byId(`made${made.id}`)) {
     drawMade(byId("made"), made, cancel);

@@ -32,7 +32,7 @@ export function pressed(event) {
 function acted(event) {
   const own = { Delete: unlock, Backspace: unlock, "?": () => byId("help").togglePopover() }[event.key];
   own?.();
-  const isActed = own !== undefined || app.playback.key(event) || app.viewport.key(event) || app.truth?.key(event);
+  const isActed = own !== undefined || app.playback.key(event) || app.viewport.key(event) || app.truth.key(event);
   if (isActed) {
     say("");
   }

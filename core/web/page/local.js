@@ -11,10 +11,12 @@ import { Follower } from "./follower.js";
 import { Following } from "./following.js";
 import { METHODS, TITLES } from "./methods.js";
 import { csv, json } from "./rows.js";
+import { parsed, session, stemOf } from "./session.js";
 import { VideoFile } from "./video-file.js";
 
 const MAX_WIDE = 1920; // pixels of an image of a whole frame
 const FORMATS = [{ name: "csv", several: true }, { name: "json", several: true }, { name: "record", several: true }];
+const SESSION = { name: "session", several: true };
 
 export class Local {
   #follower;
@@ -22,7 +24,7 @@ export class Local {
   #source = null;
   #version;
   #choices = 0; // of sources
-  #work = new Map(); // { targets, ids } that the user made, by the source's key; by the source itself if it cannot be opened again
+  #work = new Map(); // see `#worked`, by the source's key; by the source itself if it cannot be opened again
   #heard = () => {};
 
   /** Starts the worker and opens the built-in recording. */
@@ -60,7 +62,8 @@ export class Local {
 
   async read(file) {
     if (file.size > 0 && !(await isRecording(file))) {
-      throw new Error(`${file.name} is text, not a video: boxes are read by host-sim view VIDEO --boxes ${quoted(file.name)}`);
+      this.#resume(file.name, await file.text());
+      return "";
     }
     this.#say(`Opening ${file.name}.`, "opening");
     await this.#change(new VideoFile(file, { failed: (text) => this.#say(text) }));
@@ -76,10 +79,15 @@ export class Local {
     return this.#cut(number, part, 1);
   }
 
-  async targets(targets, ids) {
+  async targets(targets, ids, checked) {
     const source = this.#source;
     await this.#following.targets(targets);
-    this.#work.set(source.key ?? source, { targets, ids });
+    this.#work.set(source.key ?? source, { targets, ids, checked: new Map(checked) });
+  }
+
+  /** Keeps the ranges of frames in which the user has looked at a target. */
+  async checked(id, frames) {
+    this.#work.get(this.#source.key)?.checked.set(id, frames);
   }
 
   /** True if the user has drawn or changed boxes, which end with the page. */
@@ -89,19 +97,21 @@ export class Local {
 
   async method(method, options) {
     this.#following.method({ method, options });
+    // Other boxes are to come than those that the user has looked at.
+    this.#work.get(this.#source.key)?.checked.clear();
   }
 
   async stop() {
     this.#source.stop();
   }
 
-  /** Returns a file { name, bytes }: all targets' boxes for `format` "csv" or "json", else `chosen`'s flight record. */
+  /** Returns a file { name, bytes }: all targets' boxes for `format` "csv" or "json", the session, or `chosen`'s flight record. */
   async boxes(format, chosen) {
     const { method, options } = this.#following.using;
     const { name, last, live } = this.#source;
     const { followed } = this.#following;
     const isWhole = live || followed >= (Number.isFinite(last) ? last : this.#source.news().frames);
-    const stem = `${name.replace(/\.\w+$/, "")}${isWhole ? "" : `-${followed}-frames`}`;
+    const stem = `${stemOf(name)}${isWhole ? "" : `-${followed}-frames`}`;
     const rows = this.#following.rows(nameOf);
     const timeOf = (number) => this.#source.timeOf?.(number) ?? null;
     if (format === "csv") {
@@ -110,11 +120,47 @@ export class Local {
     if (format === "json") {
       return { name: `${stem}.jsonl`, bytes: json(rows, { version: this.#version, method, options }, timeOf) };
     }
+    if (format === "session") {
+      return { name: `${name}.smr.json`, bytes: session({ name, using: this.#following.using, ...this.#worked(this.#source), madeBy: this.#madeBy }) };
+    }
     const { bytes } = await this.#follower.ask("record", { id: chosen?.id });
     if (bytes === null) {
       throw new Error(`${TITLES[method]} has no flight record: choose a target that it follows.`);
     }
-    return { name: `${name.replace(/\.\w+$/, "")}.smr`, bytes };
+    return { name: `${stemOf(name)}.smr`, bytes };
+  }
+
+  get #madeBy() {
+    return `smr page ${this.#version}`;
+  }
+
+  // Returns the user's work on a source: { targets, ids, checked }; see `session`.
+  #worked(source) {
+    return this.#work.get(source.key ?? source) ?? { targets: source.targets ?? [], ids: 0, checked: new Map() };
+  }
+
+  // Replaces the work on the present source by that of a session.
+  #resume(file, text) {
+    const source = this.#source;
+    let found;
+    try {
+      found = parsed(text, source);
+    } catch ({ message }) {
+      throw new Error(`${file}: ${message}`);
+    }
+    if (found === null) {
+      throw new Error(`${file} is text, not a video: boxes are read by host-sim view VIDEO --boxes ${quoted(file)}`);
+    }
+    if (source.live) {
+      throw new Error(`${file}: a camera has other frames now: open its recording first.`);
+    }
+    const { using, targets, ids, madeBy } = found;
+    const checked = new Map(targets.map((target) => [target.id, madeBy === this.#madeBy ? (target.checked ?? []) : []]));
+    this.#work.set(source.key, { targets, ids, checked });
+    this.#following.using = using;
+    this.#following.use(source);
+    this.#heard({ opened: { ...this.#facts(source), plays: false } });
+    this.#say("");
   }
 
   async #change(source) {
@@ -149,11 +195,17 @@ export class Local {
     if (choice !== this.#choices) {
       return null;
     }
+    return this.#facts(source);
+  }
+
+  // Follows the user's targets in a source. Returns what the application needs to know about it.
+  #facts(source) {
     const { name, words, live, width, height } = source;
-    const { targets, ids = 0 } = this.#work.get(source.key) ?? { targets: source.targets ?? [] };
+    const { targets, ids, checked } = this.#worked(source);
     this.#following.targets(targets).catch((error) => this.#say(error.message));
     return {
-      name, words, live, width, height, targets, ids, ...source.news(), ...this.#following.using, methods: METHODS, formats: FORMATS, version: `smr ${this.#version}`,
+      name, words, live, width, height, ids, ...source.news(), ...this.#following.using, methods: METHODS, version: `smr ${this.#version}`,
+      targets: targets.map((target) => ({ ...target, checked: checked.get(target.id) })), formats: live ? FORMATS : [...FORMATS, SESSION],
       timeOf: (number) => source.timeOf?.(number) ?? null, plays: source.targets !== undefined,
     };
   }

@@ -23,7 +23,7 @@ export const app = {
   playback: null,
   viewport: null,
   drag: null,
-  truth: null, // see truth.js; null where it cannot be saved
+  truth: null, // see truth.js
 };
 
 /** Resets the state for a recording or camera with these facts. */

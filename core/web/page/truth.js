@@ -1,5 +1,6 @@
-// The truth about the targets, which `host-sim view` writes as a recording for `host-sim eval`: boxes by hand, lines
-// between them, frames in which a target is hidden or gone, and what the user has looked at of the tracker's boxes.
+// The truth about the targets, which `host-sim view` writes as a recording for `host-sim eval`, and the page into a session:
+// boxes by hand, lines between them, frames in which a target is hidden or gone, and what the user has looked at of the
+// tracker's boxes.
 
 import { changed, goOrComeBack, isAwaited } from "./boxes.js";
 import { byId, htmlNode } from "./dom.js";
@@ -93,7 +94,7 @@ export class Truth {
     this.#sending ??= setTimeout(() => this.send(), SEND_MS);
   }
 
-  /** Sends what is checked to host-sim, without waiting for more. */
+  /** Sends what is checked to the source, without waiting for more. */
   async send() {
     clearTimeout(this.#sending);
     this.#sending = null;
@@ -170,7 +171,7 @@ export class Truth {
     doubts.sort((one, other) => one.number - other.number);
     const next = doubts.find(({ number }) => number > playback.frame) ?? doubts[0] ?? open.map(([number]) => ({ kind: "unseen", number }))[0];
     if (next === undefined) {
-      say("All frames are checked: Export, Recording with truth.");
+      say(`All frames are checked: Export, ${app.source.make ? "Recording with truth" : "Session"}.`);
       return;
     }
     playback.visit(next.number);

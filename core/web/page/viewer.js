@@ -2,6 +2,5 @@
 
 import { run } from "./application.js";
 import { Connection } from "./connection.js";
-import { Truth } from "./truth.js";
 
-run(new Connection(), {}, new Truth());
+run(new Connection());

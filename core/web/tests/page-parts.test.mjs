@@ -11,6 +11,7 @@ import { about, instructions } from "../page/cost.js";
 import { csv, json } from "../page/rows.js";
 import { initsOf, optionsOf, quoted, typed } from "../page/command.js";
 import { scene } from "../page/scene.js";
+import { parsed, session } from "../page/session.js";
 import { HOST_SIM, PACKAGE, converted } from "./library.mjs";
 
 // Stubs of browser objects that modules use while they are loaded.
@@ -85,6 +86,27 @@ test("rows are those of host-sim", () => {
     runner_up_ratio: null, alpha: null, identity: null, scale: null, found_again: null, work: null, quality: 1,
   });
   assert.deepEqual([lost.time, lost.box, lost.fine, lost.found_again, lost.quality], [null, null, null, false, null]);
+});
+
+test("a session is read as it was written, and others say why not", () => {
+  const recording = { name: "my clip.v2.mp4", width: 100, height: 80 };
+  const targets = [{ id: 2, name: "car", locks: [{ number: 1, box: BOX, byHand: true }, { number: 9, box: { ...BOX, x: 70 } }, { number: 12, box: null }], hidden: [[3, 4]] }];
+  const using = { method: "robust", options: { set: ["reach=6"] } };
+  const text = session({ name: recording.name, using, targets, ids: 3, checked: new Map([[2, [[1, 7]]]]), madeBy: "page" });
+  assert.equal(JSON.parse(text).recording, "my clip.v2");
+  const read = parsed(text, recording);
+  assert.deepEqual([read.using, read.ids, read.madeBy, read.targets[0].checked, read.targets[0].hidden], [using, 3, "page", [[1, 7]], [[3, 4]]]);
+  assert.deepEqual(read.targets[0].locks.map(({ number, box, byHand }) => [number, box?.x, byHand ?? false]), [[1, 1, true], [9, 70, false], [12, undefined, false]]);
+  for (const other of ["", "frame,x,y", "[1]", "null", "7", "{}"]) {
+    assert.equal(parsed(other, recording), null, other);
+  }
+  const damaged = [["\"smr_session\": 1", "\"smr_session\": 2"], ["\"id\": 2", "\"id\": \"2\""], ["30,", "0,"], ["70,", "71,"], ["\"frame\": 9", "\"frame\": 0.5"], ["\"locks\"", "\"lock\""], ["3,", "9,"]];
+  for (const [from, to] of damaged) {
+    assert.ok(text.includes(from), from);
+    assert.throws(() => parsed(text.replace(from, to), recording), /damaged, or of another version/, `${from} ${to}`);
+  }
+  assert.throws(() => parsed(text, { ...recording, name: "other.mp4" }), /it is of my clip.v2: open that recording first/);
+  assert.throws(() => parsed(text.replace("robust", "sad"), recording), /no tracker sad/);
 });
 
 test("options and names are those of a shell", () => {

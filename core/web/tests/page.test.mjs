@@ -2,13 +2,16 @@
 // clear message.
 
 import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { copyFileSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { Browser } from "./browser.mjs";
+import { HOST_SIM } from "./library.mjs";
 import {
-  FRAMES, NUMBER, PRESSED, STARTED, address, answers, boxes, browser, columns, dragBox, folder, followed, host, lines, onPage, pausedAt, replays, same, settled, shoot,
-  why,
+  FRAMES, NUMBER, PRESSED, STARTED, address, answers, boxes, browser, choose, columns, downloaded, dragBox, folder, followed, host, lines, onPage, pausedAt, replays, same,
+  settled, shoot, why,
 } from "./open-page.mjs";
 
 const told = (...words) => lines(host(...words, "--json").stdout).map((line) => JSON.parse(line));
@@ -133,7 +136,7 @@ onPage("a box of 0x0, one that is refused, a removed target", async (page) => {
   await dragBox(page, { x: 80, y: 160, width: 20, height: 0 });
   await page.until(`document.getElementById("said").textContent === "The box has no pixels: drag from one corner to the other."`);
   await page.click("#targets button");
-  await page.until(`document.querySelectorAll("#targets li").length === 0 && document.querySelectorAll("#files button:disabled").length === 3`);
+  await page.until(`document.querySelectorAll("#targets li").length === 0 && document.querySelectorAll("#files button:disabled").length === 4`);
 });
 
 onPage("work is not lost: the page asks before it is left, and a source that is opened again has its boxes", async (page) => {
@@ -156,6 +159,66 @@ onPage("work is not lost: the page asks before it is left, and a source that is 
   await page.until(`document.getElementById("name").textContent === "camera"`);
   await page.click("#built-in");
   await page.until(`document.getElementById("track").textContent.includes("target2=40,80,20,20@")`);
+});
+
+onPage("truth by hand is kept in a session, which host-sim view and the page open again", async (page) => {
+  await pausedAt(page, 4);
+  await page.click("#plays");
+  await page.click("#add");
+  await page.key("Home");
+  await page.until(`${NUMBER} === 1`);
+  await dragBox(page, { x: 40, y: 80, width: 20, height: 20 });
+  await page.until(`document.getElementById("track").textContent.includes("target2=40,80,20,20")`);
+  await page.key("ArrowRight", { shift: true });
+  await page.until(`${NUMBER} === 11`);
+  await dragBox(page, { x: 60, y: 100, width: 20, height: 20 });
+  await page.until(`!document.getElementById("asked").hidden || document.getElementById("track").textContent.includes("@11")`);
+  if (await page.value(`!document.getElementById("asked").hidden`)) {
+    await page.click("#correct");
+  }
+  await page.until(`document.getElementById("track").textContent.includes("target2=60,100,20,20@11")`);
+  await page.key("b");
+  await page.key("ArrowRight", { shift: true });
+  await page.until(`${NUMBER} === 21`);
+  await page.key("h");
+  await page.until(`document.querySelector("#targets li:last-child .now").textContent === "hidden"`);
+  await followed(page);
+  await page.until(`/^[1-9]\\d* % checked$/.test(document.getElementById("share").textContent)`);
+  const share = await page.text("share");
+  const saved = join(folder, "street.smr.json");
+  copyFileSync(await downloaded(page, "Session", ".smr.json"), saved);
+  const work = JSON.parse(readFileSync(saved, "utf8"));
+  const [, marked] = work.targets;
+  assert.deepEqual(marked.locks.map(({ frame, box, by_hand: byHand }) => [frame, box, byHand]), [[1, [40, 80, 20, 20], true], [11, [60, 100, 20, 20], false]]);
+  assert.deepEqual([marked.hidden[0][0], work.recording, work.method], [21, "street", "robust"]);
+  assert.ok(marked.checked.length > 0);
+
+  // The page opens it again, after it was loaded anew.
+  const asked = page.next("Page.javascriptDialogOpening");
+  const loaded = page.next("Page.loadEventFired");
+  await page.call("Page.reload");
+  await asked;
+  await page.call("Page.handleJavaScriptDialog", { accept: true });
+  await loaded;
+  await page.until(STARTED);
+  await choose(page, saved);
+  await page.until(`document.getElementById("track").textContent.includes("target2=60,100,20,20@11")`);
+  await page.click("#targets li:last-child input");
+  await page.until(`document.getElementById("share").textContent === ${JSON.stringify(share)}`);
+
+  // So does host-sim, for which the user looks at the boxes again: they may differ.
+  const viewer = spawn(HOST_SIM, ["view", "street", "--session", saved, "--no-open", "--json"]);
+  try {
+    const said = new Promise((resolve) => viewer.stderr.once("data", (text) => resolve(String(text))));
+    const { address } = JSON.parse(String(await new Promise((resolve) => viewer.stdout.once("data", resolve))));
+    const { targets } = await (await fetch(`${address}source`)).json();
+    assert.match(await said, /look at them again/);
+    const unchecked = ({ checked, ...target }) => target;
+    const plain = ({ by_hand: byHand, ...lock }) => (byHand ? { ...lock, by_hand: true } : lock);
+    assert.deepEqual(targets.map(unchecked), work.targets.map(({ hidden, locks, ...rest }) => unchecked({ ...rest, locks: locks.map(plain), ...(hidden.length > 0 ? { hidden } : {}) })));
+  } finally {
+    viewer.kill();
+  }
 });
 
 onPage("a dropped file that is no video says where it belongs", async (page) => {

@@ -1,0 +1,63 @@
+// The session of a recording, as `host-sim view` keeps it beside the recording: the user's targets and the method.
+
+import { targetOf, toldOf } from "./edits.js";
+import { METHODS } from "./methods.js";
+
+const VERSION = 1;
+
+/** Returns the name that a session calls its recording by: that of the file, without its extension. */
+export const stemOf = (name) => name.replace(/(.)\.[^.]*$/, "$1");
+
+/**
+ * Formats a session. `checked` are the ranges of frames in which the user has looked at a target, by its id; `madeBy` is
+ * the program whose boxes these were.
+ */
+export function session({ name, using, targets, ids, checked, madeBy }) {
+  const told = targets.map((target) => toldOf(target, checked.get(target.id)));
+  const work = { smr_session: VERSION, recording: stemOf(name), ...using, targets: told, ids, made_by: madeBy, frame: null };
+  return `${JSON.stringify(work, null, 2)}\n`;
+}
+
+/**
+ * Parses a session of the recording `name`, whose frames are `width` by `height`. Returns { using, targets, ids, madeBy },
+ * or null if the text is something else. Throws the reason if the session cannot be used.
+ */
+export function parsed(text, { name, width, height }) {
+  let work;
+  try {
+    work = JSON.parse(text);
+  } catch {
+    return null;
+  }
+  const { smr_session: version, recording, method, options, targets, ids = 0, made_by: madeBy } = work ?? {};
+  if (version === undefined) {
+    return null;
+  }
+  if (!isSession(work, { width, height })) {
+    throw new Error("it is damaged, or of another version: expected a session of host-sim view or this page.");
+  }
+  if (recording !== stemOf(name)) {
+    throw new Error(`it is of ${recording}: open that recording first.`);
+  }
+  if (!METHODS.includes(method)) {
+    throw new Error(`this page has no tracker ${method}: open it in host-sim view.`);
+  }
+  return { using: { method, options }, targets: targets.map(targetOf), ids, madeBy };
+}
+
+function isSession({ smr_session: version, method, options, targets }, size) {
+  const isIn = ([x, y, width, height]) => Math.min(x, y) >= 0 && Math.min(width, height) > 0 && x + width <= size.width && y + height <= size.height;
+  const isBox = (box) => box === null || (box.length === 4 && box.every(Number.isInteger) && isIn(box));
+  const isLock = ({ frame, box }) => isCount(frame) && isBox(box);
+  const isTarget = ({ id, name, locks, hidden = [], checked = [] }) =>
+    isCount(id) && typeof name === "string" && locks.length > 0 && locks[0].box !== null && locks.every(isLock) && [...hidden, ...checked].every(isRange);
+  try {
+    return version === VERSION && typeof method === "string" && typeof options === "object" && targets.every(isTarget);
+  } catch {
+    return false;
+  }
+}
+
+const isCount = (value) => Number.isInteger(value) && value > 0;
+
+const isRange = ([from, to, ...more]) => isCount(from) && isCount(to) && from <= to && more.length === 0;
