@@ -81,7 +81,7 @@ impl Covers<'_> {
             count if count > 1 && place < count => &self.paths[(place + count / 2) % count],
             _ => Path::new(synthetic::NAME),
         };
-        let other = smr_recordings::open(path, &OpenOptions::default())?.resized(Resize::To(width, height))?.0;
+        let other = smr_recordings::open(path, &OpenOptions::default())?.resized(Resize::To(width, height))?;
         let (name, mut frames) = (other.name, other.frames);
         Ok(frames.next().with_context(|| format!("{name} holds no frame"))??.gray)
     }

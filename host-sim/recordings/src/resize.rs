@@ -57,9 +57,9 @@ impl Resize {
 }
 
 impl Sequence {
-    /// Scales all frames (by a triangle filter) and their boxes; also returns the factors of width and height. Errors:
-    /// The new size is too large, or the first frame, which is read to learn its size, cannot be read.
-    pub fn resized(self, resize: Resize) -> Result<(Self, (f64, f64))> {
+    /// Scales all frames (by a triangle filter) and their boxes. Errors: The new size is too large, or the first frame,
+    /// which is read to learn its size, cannot be read.
+    pub fn resized(self, resize: Resize) -> Result<Self> {
         let mut frames = self.frames;
         let first = frames.next().with_context(|| format!("{} holds no frame", self.name))??;
         let (old_width, old_height) = (first.gray.width, first.gray.height);
@@ -73,7 +73,7 @@ impl Sequence {
         });
         let scaled = |entry: Option<BoundingBox>| entry.map(|entry| entry.scaled(scale));
         let (init, truth) = (scaled(self.init), self.truth.map(|truth| truth.into_iter().map(scaled).collect()));
-        Ok((Self { frames: Box::new(frames), init, truth, ..self }, scale))
+        Ok(Self { frames: Box::new(frames), init, truth, scale, ..self })
     }
 }
 
@@ -123,7 +123,7 @@ mod tests {
     use crate::raster::GrayFrame;
 
     fn synthetic_as(text: &str) -> Sequence {
-        synthetic::sequence().resized(text.parse().unwrap()).unwrap().0
+        synthetic::sequence().resized(text.parse().unwrap()).unwrap()
     }
 
     #[test]
@@ -142,6 +142,7 @@ mod tests {
     fn boxes_are_scaled_along() {
         let (width, height) = (synthetic::WIDTH, synthetic::HEIGHT);
         let half = synthetic_as("1/2");
+        assert_eq!((half.scale, synthetic::sequence().scale), ((0.5, 0.5), (1.0, 1.0)));
         let BoundingBox { x, y, width: wide, height: high } = synthetic::truth(7).unwrap();
         let expected = BoundingBox { x: x / 2.0, y: y / 2.0, width: wide / 2.0, height: high / 2.0 };
         assert_eq!(half.truth.unwrap()[7], Some(expected));

@@ -23,6 +23,8 @@ pub struct Sequence {
     pub truth: Option<Vec<Option<BoundingBox>>>,
     pub source: Source,
     pub notes: Vec<String>,
+    /// Factors of width and height by which the frames were resized; 1 if they were not.
+    pub scale: (f64, f64),
 }
 
 impl Sequence {
@@ -50,7 +52,8 @@ impl Sequence {
         let has_times = !matches!(source, Source::Once);
         let timed = move |frame: Frame| Frame { seconds: frame.seconds.filter(|_| has_times), ..frame };
         let frames = checked_frames::frames(frames.map(move |frame| frame.map(timed)), name.clone());
-        Self { name, frames, length: None, first: 1, init: None, truth: None, source, notes: Vec::new() }
+        let scale = (1.0, 1.0);
+        Self { name, frames, length: None, first: 1, init: None, truth: None, source, notes: Vec::new(), scale }
     }
 
     /// Drops all frames but the first and each `step`-th after it, with their ground truth. A step of 0 is one of 1.

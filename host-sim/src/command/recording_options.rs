@@ -155,10 +155,9 @@ impl RecordingOptions {
             }
         }
         if let Some(resize) = self.resize {
-            let (resized, scale) = sequence.resized(resize)?;
-            sequence = resized;
+            sequence = sequence.resized(resize)?;
             for bbox in targets.iter_mut().flat_map(Target::boxes_mut) {
-                *bbox = bbox.scaled(scale);
+                *bbox = bbox.scaled(sequence.scale);
             }
         }
         Ok((sequence, targets))

@@ -14,7 +14,7 @@ use smr_files::messages::choice_name;
 use smr_files::output::{Output, complain, print};
 use smr_files::signals;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
-use smr_pages::export::{FILM_ENDINGS, Plan};
+use smr_pages::export::{FILM_ENDINGS, PixelsPerMetre, Plan};
 use smr_recordings::{Arrivals, BoundingBox, Frame, Sequence, misfit};
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub struct Track {
     /// The tracker, or a simpler method for comparison [default: that of --config, else robust]
     #[arg(long, value_enum)]
     method: Option<MethodKind>,
-    /// The format of the printed boxes [default: tld; csv for several targets]
+    /// The format of the printed boxes [default: tld; csv for several targets or with --pixels-per-metre]
     ///
     /// Formats for several targets: csv, json, mot, coco, cvat. coco and cvat files are valid only after the last frame.
     #[arg(long, value_enum)]
@@ -68,6 +68,12 @@ pub struct Track {
     /// The ids of the targets in the viewer of `view`, which orders the video: they select the colors
     #[arg(long, hide = true, value_delimiter = ',')]
     ids: Vec<usize>,
+    /// Also print the centre and its speed in metres, in CSV: N pixels of the recording are a metre [default format then: csv]
+    ///
+    /// The columns centre_x_m, centre_y_m and speed_m_s follow the column speed. N holds for what moves across the picture, as far from the
+    /// camera as what was measured. Like --init, it is in pixels of the original size if --resize is given.
+    #[arg(long, value_name = "N")]
+    pixels_per_metre: Option<PixelsPerMetre>,
     #[command(flatten)]
     recording: RecordingOptions,
     #[command(flatten)]
@@ -106,6 +112,7 @@ impl Track {
             origin: variant.origin(),
             targets: targets.iter().map(|target| target.name.clone()).collect(),
             images: sequence.source.image_names(),
+            pixels_per_metre: self.pixels_per_metre.map(|metre| metre.resized(sequence.scale)),
         };
         let printer = Printer::new(format, about);
         ensure!(films.len() < 2, "--out and --video both name a video: expected one of them");
@@ -154,7 +161,7 @@ impl Track {
 
     /// Errors: The format cannot name several targets, or the extension of the output file belongs to another format.
     fn format(&self, targets: usize) -> Result<Format> {
-        let usual = if targets > 1 { Format::Csv } else { Format::Tld };
+        let usual = if targets > 1 || self.pixels_per_metre.is_some() { Format::Csv } else { Format::Tld };
         let of_file = self.out.as_ref().and_then(|out| Format::of_file(out));
         let format = if self.json { Format::Json } else { self.format.or(of_file).unwrap_or(usual) };
         if let Some(out) = self.out.as_ref().filter(|out| of_file.is_some() && !format.is_called(out)) {
@@ -162,6 +169,11 @@ impl Track {
             let (name, out) = (choice_name(&format), out.display());
             bail!("--format {name} into {out}: expected a file that ends in {endings}, or has no ending");
         }
+        ensure!(
+            self.pixels_per_metre.is_none() || format == Format::Csv,
+            "--pixels-per-metre with --format {}: expected csv, which has columns in metres",
+            choice_name(&format)
+        );
         ensure!(
             targets <= 1 || format.has_names(),
             "--format {}: this format cannot name {targets} targets: expected csv, json, mot, coco or cvat",

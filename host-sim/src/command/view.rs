@@ -298,6 +298,7 @@ impl Requests for Desk {
             origin: followed.variant().origin(),
             targets: targets.iter().map(|(target, _)| is_named.then(|| target.name.clone())).collect(),
             images: self.images.clone(),
+            pixels_per_metre: None,
         };
         let mut printer = Printer::new(format, about);
         let mut text = printer.head();

@@ -28,7 +28,8 @@ pub enum Format {
     /// MOTChallenge: frame,number of the target,x,y,width,height,confidence,-1,-1,-1, the first pixel being 1; no line if it is lost
     Mot,
     /// Names in the first line, then frame, time in seconds, box, state, the figures behind it, the box's centre and its speed in pixels a second since the
-    /// target's frame before; empty where there are none. With names of targets the first column is the target. Frames before its box have no line
+    /// target's frame before (with --pixels-per-metre also in metres); empty where there are none. With names of targets the first column is the target.
+    /// Frames before its box have no line
     Csv,
     /// One object for each frame, as --json
     Json,
@@ -76,6 +77,8 @@ pub struct About {
     pub targets: Vec<Option<String>>,
     /// File names of the frames, if the recording is a folder of pictures; else empty.
     pub images: Vec<String>,
+    /// Pixels of a metre across and down, if a length in the picture is known: CSV then has columns in metres, too.
+    pub pixels_per_metre: Option<(f64, f64)>,
 }
 
 impl About {
@@ -115,7 +118,10 @@ impl Printer {
 
     pub fn head(&self) -> String {
         match self.format {
-            Format::Csv => format!("{}{CSV_NAMES}", if self.is_named() { "target," } else { "" }),
+            Format::Csv => {
+                let metres = self.about.pixels_per_metre.map_or("", |_| METRE_NAMES);
+                format!("{}{CSV_NAMES}{metres}\n", if self.is_named() { "target," } else { "" })
+            }
             Format::Coco => coco::head(&self.about),
             _ => String::new(),
         }
@@ -139,8 +145,9 @@ impl Printer {
             Format::Csv => {
                 let name =
                     if self.is_named() { self.about.label(answer.target).to_owned() + "," } else { String::new() };
-                let speed = self.speed(answer);
-                return Ok(answer.report.map_or(String::new(), |report| name + &csv_line(answer, report, speed)));
+                let way = self.way(answer);
+                let scale = self.about.pixels_per_metre;
+                return Ok(answer.report.map_or(String::new(), |report| name + &csv_line(answer, report, way, scale)));
             }
             Format::Json => return self.json(answer),
             Format::Coco => return self.coco.annotation(answer),
@@ -160,13 +167,13 @@ impl Printer {
         }
     }
 
-    /// Returns the speed of the target's centre since its frame before, in pixels a second; `None` if one of both frames
-    /// has no box or no time.
-    fn speed(&mut self, answer: &Answer<'_>) -> Option<f64> {
+    /// Returns the way of the target's centre since its frame before; `None` if one of both frames has no box or no time.
+    fn way(&mut self, answer: &Answer<'_>) -> Option<Way> {
         let present = answer.time.zip(answer.report.and_then(|report| report.target).map(|target| target.centre()));
         let former = std::mem::replace(self.former.get_mut(answer.target)?, present);
         let ((before, from), (now, to)) = former.zip(present)?;
-        (now > before).then(|| (to.0 - from.0).hypot(to.1 - from.1) / (now - before))
+        let (right, down) = (to.0 - from.0, to.1 - from.1);
+        (now > before).then_some(Way { right, down, seconds: now - before })
     }
 
     fn json(&self, answer: &Answer<'_>) -> Result<String> {
@@ -196,7 +203,23 @@ impl Printer {
     }
 }
 
-const CSV_NAMES: &str = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work,centre_x,centre_y,speed\n";
+const CSV_NAMES: &str = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work,centre_x,centre_y,speed";
+const METRE_NAMES: &str = ",centre_x_m,centre_y_m,speed_m_s";
+
+/// The way of a centre in pixels, and the time that it took.
+#[derive(Clone, Copy)]
+struct Way {
+    right: f64,
+    down: f64,
+    seconds: f64,
+}
+
+impl Way {
+    /// Returns the speed as CSV, in units of which each has these numbers of pixels across and down.
+    fn speed(self, (across, down): (f64, f64)) -> String {
+        rounded((self.right / across).hypot(self.down / down) / self.seconds).to_string()
+    }
+}
 
 /// One answer as JSON. Boxes are null if the target is lost, and values that the method does not compute are null.
 #[derive(Serialize)]
@@ -247,9 +270,10 @@ fn score(report: &MethodAnswer) -> f64 {
     report.confidence().map_or(1.0, rounded)
 }
 
-fn csv_line(answer: &Answer<'_>, report: &MethodAnswer, speed: Option<f64>) -> String {
+fn csv_line(answer: &Answer<'_>, report: &MethodAnswer, way: Option<Way>, scale: Option<(f64, f64)>) -> String {
     let field = |value: Option<String>| value.unwrap_or_default();
     let target = report.target.map(|BoundingBox { x, y, width, height }| format!("{x},{y},{width},{height}"));
+    let centre = report.target.map(|target| target.centre());
     let figure = |figure: fn(&Evidence) -> Option<f64>| {
         field(report.evidence.as_ref().and_then(figure).map(|value| rounded(value).to_string()))
     };
@@ -265,20 +289,26 @@ fn csv_line(answer: &Answer<'_>, report: &MethodAnswer, speed: Option<f64>) -> S
         figure(|evidence| evidence.identity),
         figure(|evidence| Some(evidence.scale)),
         field(report.work.map(|work| work.to_string())),
-        report.target.map_or_else(|| ",".to_owned(), |target| format!("{},{}", target.centre().0, target.centre().1)),
-        field(speed.map(|speed| rounded(speed).to_string())),
+        centre.map_or_else(|| ",".to_owned(), |(x, y)| format!("{x},{y}")),
+        field(way.map(|way| way.speed((1.0, 1.0)))),
     ];
-    fields.join(",") + "\n"
+    let metres = scale.map(|(across, down)| {
+        let place = |(x, y): (f64, f64)| format!("{},{}", rounded(x / across), rounded(y / down));
+        format!(",{},{}", centre.map_or_else(|| ",".to_owned(), place), field(way.map(|way| way.speed((across, down)))))
+    });
+    fields.join(",") + &field(metres) + "\n"
 }
 
-/// Rounds to six decimals: a microsecond for times, and finer than a ratio's resolution of 1/65535.
-pub(crate) fn rounded(ratio: f64) -> f64 {
-    (ratio * 1e6).round() / 1e6
+/// Rounds to six decimals: a microsecond for times, a micrometre, and finer than a ratio's resolution of 1/65535. Zero has
+/// no sign.
+pub(crate) fn rounded(number: f64) -> f64 {
+    (number * 1e6).round() / 1e6 + 0.0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::PixelsPerMetre;
     use smr_core::{State, paper};
     use smr_evaluation::{Configs, MethodKind, Variant};
     use smr_recordings::annotations::{self, Labelled};
@@ -286,7 +316,8 @@ mod tests {
     fn printer(format: Format, method: MethodKind, targets: &[Option<&str>]) -> Printer {
         let origin = Variant::new(method, &Configs::from(paper::Config::paper())).origin();
         let targets = targets.iter().map(|name| name.map(str::to_owned)).collect();
-        Printer::new(format, About { name: "a & b".to_owned(), origin, targets, images: Vec::new() })
+        let about = About { name: "a & b".to_owned(), origin, targets, images: Vec::new(), pixels_per_metre: None };
+        Printer::new(format, about)
     }
 
     fn answer(target: usize, frame: usize, report: Option<&MethodAnswer>) -> Answer<'_> {
@@ -346,7 +377,7 @@ mod tests {
         let report = MethodAnswer::locked(Rect::new(1, 2, 3, 4));
         let named = |format| printer(format, MethodKind::Robust, &[Some("man"), Some("car")]);
         let of = Answer { time: Some(4.8), ..answer(1, 120, Some(&report)) };
-        assert_eq!(named(Format::Csv).head(), format!("target,{CSV_NAMES}"));
+        assert_eq!(named(Format::Csv).head(), format!("target,{CSV_NAMES}\n"));
         assert_eq!(named(Format::Csv).line(&of).unwrap(), "car,120,4.8,1,2,3,4,tracking,,,,,,,,2.5,4,\n");
         assert!(named(Format::Json).line(&of).unwrap().contains(r#""target":"car","frame":120,"time":4.8,"#));
         assert_eq!(named(Format::Mot).line(&of).unwrap(), "120,2,2,3,3,4,1,-1,-1,-1\n");
@@ -374,6 +405,26 @@ mod tests {
             let line = csv.line(&Answer { time, ..answer(target, 7, report.as_ref()) }).unwrap();
             let last = line.trim_end().rsplitn(4, ',').take(3).collect::<Vec<_>>();
             assert_eq!(last.into_iter().rev().collect::<Vec<_>>().join(","), expected, "{line}");
+        }
+    }
+
+    #[test]
+    fn a_known_length_adds_columns_in_metres() {
+        let mut csv = printer(Format::Csv, MethodKind::Robust, &[None]);
+        // Frames of half the width: there are 10 pixels a metre across and 20 down.
+        csv.about.pixels_per_metre = "20".parse::<PixelsPerMetre>().ok().map(|metre| metre.resized((0.5, 1.0)));
+        assert_eq!(csv.head(), format!("{CSV_NAMES},centre_x_m,centre_y_m,speed_m_s\n"));
+        let seen = |x, y| MethodAnswer::locked(Rect::new(x, y, 4, 4));
+        let lost = MethodAnswer { target: None, bbox: None, state: State::Lost, ..seen(0, 0) };
+        // 3 m to the right and 4 m down in half a second.
+        for (time, report, expected) in [
+            (1.0, seen(8, 0), "10,2,,1,0.1,"),
+            (1.5, seen(38, 80), "40,82,170.880075,4,4.1,10"),
+            (2.0, lost, ",,,,,"),
+            (2.5, seen(-5, -2), "-3,0,,-0.3,0,"),
+        ] {
+            let line = csv.line(&Answer { time: Some(time), ..answer(0, 7, Some(&report)) }).unwrap();
+            assert!(line.ends_with(&format!(",{expected}\n")), "{line}");
         }
     }
 

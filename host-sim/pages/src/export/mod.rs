@@ -9,11 +9,13 @@ mod c_array;
 mod ffmpeg;
 mod matroska;
 mod overlay;
+mod pixels_per_metre;
 mod read_back;
 mod sound;
 mod video;
 mod writer;
 
 pub use overlay::Overlay;
+pub use pixels_per_metre::PixelsPerMetre;
 pub use video::{ENDINGS as FILM_ENDINGS, Plan, VideoWriter};
 pub use writer::{Format, Writer, Written, is_whole};

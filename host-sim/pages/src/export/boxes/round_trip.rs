@@ -80,7 +80,8 @@ fn any_target() -> impl Strategy<Value = Vec<Cell>> {
 
 fn written(format: Format, names: &[Option<String>], targets: &[Vec<Cell>]) -> String {
     let origin = Variant::new(MethodKind::Paper, &Configs::from(paper::Config::paper())).origin();
-    let about = About { name: "a".to_owned(), origin, targets: names.to_vec(), images: Vec::new() };
+    let (name, named) = ("a".to_owned(), names.to_vec());
+    let about = About { name, origin, targets: named, images: Vec::new(), pixels_per_metre: None };
     let mut printer = Printer::new(format, about);
     let mut text = printer.head();
     for frame in 1..=targets[0].len() {
