@@ -162,6 +162,31 @@ fn what_is_followed_in_the_viewer_is_what_track_answers() {
 }
 
 #[test]
+fn a_length_is_kept_with_its_line_and_adds_the_columns_that_track_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = &recording(&folder)[..];
+    let (session, aside) = (format!("{recording}.smr.json"), format!("{recording}.smr.json~"));
+    let csv = |number| host_sim(&["track", recording, "--pixels-per-metre", number]).out;
+    let viewer = Viewer::open(&[recording, "--pixels-per-metre", "20"]);
+    viewer.followed();
+    assert_eq!(viewer.text("boxes?format=csv"), csv("20"));
+    let drawn = json!({ "pixels_per_metre": 37.5, "line": [10, 20, 160, 120] });
+    assert_eq!(viewer.post("length", &drawn).0, 200);
+    assert_eq!(viewer.text("boxes?format=csv"), csv("37.5"));
+    drop(viewer);
+    for words in [&[recording][..], &[recording, "--pixels-per-metre", "37.5"]] {
+        assert_eq!(Viewer::open(words).json("source")["length"], drawn);
+    }
+    let kept = fs::read(&session).unwrap();
+    let other = Viewer::open(&[recording, "--pixels-per-metre", "9"]);
+    assert_eq!(other.json("source")["length"], json!({ "pixels_per_metre": 9.0, "line": null }));
+    assert_eq!((fs::read(&session).unwrap(), fs::exists(&aside).unwrap()), (kept.clone(), false));
+    assert_eq!(other.post("length", &Value::Null).0, 200);
+    assert_eq!(fs::read(&aside).unwrap(), kept);
+    assert_eq!(other.json("source")["length"], Value::Null);
+}
+
+#[test]
 fn a_recording_without_a_command_opens_the_viewer() {
     for arguments in [["synthetic", "--no-open", "--json"], ["--no-open", "--json", "synthetic"]] {
         let mut command = Command::new(PROGRAM);

@@ -11,11 +11,11 @@ use smr_core::{Rect, Robust, Settings, Shape};
 use smr_evaluation::{Configs, MethodKind, RobustSize, Variant, lock};
 use smr_files::messages::choice_name;
 use smr_files::output::complain;
-use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
+use smr_pages::export::{FILM_ENDINGS, PixelsPerMetre};
 use smr_pages::viewer::{
-    Camera, Followed, Growing, Job, Lock, Made, Requests, Server, Session, Source, Target, Viewer, Work, check_inside,
-    plain,
+    Camera, Followed, Growing, Job, Length, Lock, Made, Requests, Server, Session, Source, Target, Viewer, Work,
+    check_inside, plain,
 };
 use smr_recordings::annotations::{self, Labelled};
 use smr_recordings::{BUILT_IN, FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
@@ -46,7 +46,7 @@ pub struct View {
     /// The file that keeps the targets, the method and its options [default: SEQ.smr.json, beside the recording]
     ///
     /// `view` creates it at the first change, saves it after each one, and resumes from it. --init and --boxes replace its targets;
-    /// --method and tracker options replace its method; the first change then keeps the old file as FILE~, or FILE~2 if there is a FILE~. A
+    /// --method and tracker options replace its method, and --pixels-per-metre its length; the first change then keeps the old file as FILE~, or FILE~2 if there is a FILE~. A
     /// file that is no session, or that another program has changed meanwhile, stays as it is: `view` then saves to a new file, and says
     /// where. A camera, standard input and a built-in recording have a session only with this option.
     #[arg(long, value_name = "FILE")]
@@ -69,6 +69,9 @@ pub struct View {
     /// Stop with an error if ffmpeg reads or writes nothing for this many seconds [default: 60]
     #[arg(long, value_name = "SECONDS", value_parser = whole::<NonZeroU16>(1..=65535))]
     ffmpeg_timeout: Option<NonZeroU16>,
+    /// N pixels are a metre, as in `track` [default: of the length that was drawn in the picture]
+    #[arg(long, value_name = "N")]
+    pixels_per_metre: Option<PixelsPerMetre>,
     #[command(flatten)]
     tracker: TrackerOptions,
 }
@@ -106,6 +109,9 @@ impl View {
             Some(work) => self.resumed(work, &session, (given, targets), (&name, is_live))?,
             None => (given, targets),
         };
+        if let Some(pixels_per_metre) = self.other_length(session.length().as_ref()) {
+            session.set_length(Some(Length { pixels_per_metre, line: None }));
+        }
         if !self.init.is_empty() && !is_live {
             // All frames have one size, so the first one shows whether a box will be refused.
             for target in targets.iter().flat_map(|target| &target.locks).filter_map(Lock::rect) {
@@ -216,7 +222,8 @@ impl View {
         let has_targets = !self.init.is_empty() || self.boxes.is_some() || is_live;
         let has_method = self.method.is_some() || !self.tracker.says_nothing();
         let mut note = format!("note: resumes the session {name} of {}", work.recording);
-        if has_targets || has_method {
+        let replaces_length = work.length.is_some() && self.other_length(work.length.as_ref()).is_some();
+        if has_targets || has_method || replaces_length {
             session.leave_aside();
             note += "; options given here replace it";
         }
@@ -231,6 +238,11 @@ impl View {
         }
         complain(&note);
         Ok((if has_method { variant } else { kept? }, if has_targets { targets } else { work.targets }))
+    }
+
+    /// Returns the number of `--pixels-per-metre`, unless it is that of the session.
+    fn other_length(&self, kept: Option<&Length>) -> Option<PixelsPerMetre> {
+        self.pixels_per_metre.filter(|given| kept.is_none_or(|length| length.pixels_per_metre != *given))
     }
 
     /// Program and options of the source, on which the answers depend beside the method.
@@ -298,7 +310,7 @@ impl Requests for Desk {
             origin: followed.variant().origin(),
             targets: targets.iter().map(|(target, _)| is_named.then(|| target.name.clone())).collect(),
             images: self.images.clone(),
-            pixels_per_metre: None,
+            pixels_per_metre: viewer.session.length().map(|length| length.pixels_per_metre.resized((1.0, 1.0))),
         };
         let mut printer = Printer::new(format, about);
         let mut text = printer.head();

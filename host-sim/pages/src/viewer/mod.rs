@@ -30,7 +30,7 @@ mod truth_recording;
 
 pub use answers::{AnsweredFrame, Followed};
 pub use camera::Camera;
-pub use model::{Lock, Target, check_inside};
+pub use model::{Length, Lock, Target, check_inside};
 pub use ordered_files::{Job, Made};
 pub use recording::Growing;
 pub use routes::{Requests, Viewer, plain};

@@ -1,6 +1,7 @@
 //! Targets as the user drew them: each with its locks, the frames with a box of the user.
 
 use super::spans::Spans;
+use crate::export::PixelsPerMetre;
 use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::Rect;
@@ -64,6 +65,14 @@ impl Lock {
     pub fn rect(&self) -> Option<Rect> {
         self.bbox.map(|(x, y, width, height)| Rect { x, y, width, height })
     }
+}
+
+/// The known length of something in the picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Length {
+    pub pixels_per_metre: PixelsPerMetre,
+    /// The line that the user drew, from (x, y) to (x, y); `None` if the number was given on the command line.
+    pub line: Option<[u16; 4]>,
 }
 
 /// Returns an error if the box of a lock, given with the name of its target, is not wholly inside frames of this width

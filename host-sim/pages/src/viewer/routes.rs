@@ -1,7 +1,7 @@
 //! HTTP routes of the viewer: the page, its modules, frames, news, and the user's requests.
 
 use super::answers::{AnsweredFrame, Changes, Followed};
-use super::model::{Lock, Target, TargetSpan, check_inside};
+use super::model::{Length, Lock, Target, TargetSpan, check_inside};
 use super::ordered_files::{Job, Made};
 use super::server::{Reply, Request, Server};
 use super::session::Session;
@@ -146,6 +146,10 @@ impl Viewer {
                 self.keep();
                 json_reply(&json!({}))
             }
+            (true, "length", "") => {
+                self.set_length(serde_json::from_slice(body).context("expected null, or { pixels_per_metre, line }")?)?;
+                json_reply(&json!({}))
+            }
             (true, "place", "") => {
                 self.log_message(self.session.shows(field::<FrameNumber>(body, "frame")?.get()));
                 json_reply(&json!({}))
@@ -193,6 +197,22 @@ impl Viewer {
         }));
     }
 
+    /// Errors: An end of the line is outside the frame.
+    fn set_length(&self, length: Option<Length>) -> Result<()> {
+        let (width, height) = self.size;
+        if let Some([x1, y1, x2, y2]) = length.as_ref().and_then(|length| length.line) {
+            ensure!(
+                x1.max(x2) <= width && y1.max(y2) <= height,
+                "the line {x1},{y1},{x2},{y2} is not wholly inside {width}x{height} pixels"
+            );
+        }
+        self.session.set_length(length);
+        self.keep();
+        // Other pages poll at once.
+        self.followed.tell(|log| _ = log.next());
+        Ok(())
+    }
+
     fn log_message(&self, line: Option<String>) {
         line.into_iter().for_each(|line| self.followed.tell(|log| log.say(line)));
     }
@@ -233,6 +253,7 @@ impl Viewer {
             "films": self.films,
             "session": self.session.name(),
             "frame": self.session.frame(),
+            "length": self.session.length(),
         })
     }
 
@@ -261,6 +282,7 @@ impl Viewer {
             "followed": followed,
             "silent": self.followed.silent(),
             "session": self.session.name(),
+            "length": self.session.length(),
             "progress": at.map(|(frame, rate)| json!({ "frame": frame, "rate": rate })),
         });
         if !void.is_empty() {

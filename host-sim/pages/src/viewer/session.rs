@@ -1,7 +1,7 @@
 //! A viewer's session: the user's targets, method and shown frame, saved as JSON beside the recording at each change.
 
 use super::lock;
-use super::model::Target;
+use super::model::{Length, Target};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -30,13 +30,15 @@ pub struct Work {
     #[serde(default)]
     pub made_by: String,
     pub frame: Option<usize>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length: Option<Length>,
 }
 
 impl Work {
     pub fn new(recording: &str) -> Self {
         let (recording, method, options) = (recording.to_owned(), String::new(), Map::new());
         let (targets, made_by) = (Vec::new(), String::new());
-        Self { smr_session: VERSION, recording, method, options, targets, ids: 0, made_by, frame: None }
+        Self { smr_session: VERSION, recording, method, options, targets, ids: 0, made_by, frame: None, length: None }
     }
 
     /// Forgets what the user has looked at, because other boxes are to come. Returns true if there was anything.
@@ -108,6 +110,15 @@ impl Session {
 
     pub(super) fn frame(&self) -> Option<usize> {
         lock(&self.kept).work.frame
+    }
+
+    pub fn length(&self) -> Option<Length> {
+        lock(&self.kept).work.length.clone()
+    }
+
+    /// Sets the known length, which the next change saves.
+    pub fn set_length(&self, length: Option<Length>) {
+        lock(&self.kept).work.length = length;
     }
 
     /// Returns the largest id that `targets` or any targets before them had.
@@ -311,6 +322,25 @@ mod tests {
             (own.display().to_string(), file.display().to_string())
         );
         assert_eq!((fs::read(&file).unwrap() == there, names(folder.path()).len()), (false, 3));
+    }
+
+    #[test]
+    fn a_length_is_saved_by_the_next_change_and_former_sessions_have_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.smr.json");
+        let former = r#"{"smr_session":1,"recording":"a","method":"robust","options":{},"targets":[],"frame":null}"#;
+        fs::write(&file, former).unwrap();
+        let open = || Session::open(Some(file.clone()), "a").unwrap().0;
+        let session = open();
+        assert_eq!(session.length(), None);
+        let pixels_per_metre = "120.41594578792295".parse().unwrap();
+        let length = Length { pixels_per_metre, line: Some([1, 2, 3, 400]) };
+        session.set_length(Some(length.clone()));
+        assert_eq!(open().length(), None);
+        assert_eq!(session.keep(|_| ()), None);
+        assert_eq!(open().length(), Some(length));
+        fs::write(&file, former.replace("null}", r#"null,"length":{"pixels_per_metre":0,"line":null}}"#)).unwrap();
+        assert!(Session::open(Some(file.clone()), "a").is_err());
     }
 
     /// Puts something in the place of the session file while a viewer is open: the viewer must not touch it.

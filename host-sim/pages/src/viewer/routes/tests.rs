@@ -168,6 +168,39 @@ fn what_is_not_there_cannot_be_looked_at_and_no_two_targets_have_one_name() {
     assert_eq!(viewer.followed.targets()[0].checked, vec![(2, all)].into());
 }
 
+#[test]
+fn a_length_is_kept_until_it_is_removed_and_nonsense_is_refused() {
+    let viewer = viewer();
+    let (heard, length) = (|| viewer.followed.wait_for_changes(0, Duration::ZERO).position, || viewer.session.length());
+    let before = heard();
+    let good = r#"{"pixels_per_metre":120.5,"line":[10,90,120,0]}"#;
+    assert_eq!(viewer.replied(true, "length", good), (200, "{}".to_owned()));
+    let kept = serde_json::to_value(length()).unwrap();
+    assert_eq!(kept, serde_json::from_str::<Value>(good).unwrap());
+    for address in ["source", "news?wait=0&since=0"] {
+        let told: Value = serde_json::from_str(&viewer.replied(false, address, "").1).unwrap();
+        assert_eq!(told["length"], kept, "{address}");
+    }
+    assert!(heard() > before, "other pages hear it");
+    for (refused, said) in [
+        ("", "expected null, or { pixels_per_metre, line }"),
+        ("7", "expected null, or { pixels_per_metre, line }"),
+        (r#"{"line":[1,2,3,4]}"#, "pixels_per_metre"),
+        (r#"{"pixels_per_metre":0,"line":null}"#, "expected a number from 0.000001 to 1000000"),
+        (r#"{"pixels_per_metre":-3,"line":null}"#, "expected a number from 0.000001 to 1000000"),
+        (r#"{"pixels_per_metre":"3","line":null}"#, "expected"),
+        (r#"{"pixels_per_metre":9,"line":[1,2,3]}"#, "expected"),
+        (r#"{"pixels_per_metre":9,"line":[1,2,121,4]}"#, "the line 1,2,121,4 is not wholly inside 120x90 pixels"),
+        (r#"{"pixels_per_metre":9,"line":[1,-2,3,4]}"#, "expected"),
+    ] {
+        let (status, reply) = viewer.replied(true, "length", refused);
+        assert!(status == 400 && reply.contains(said), "{refused}: {status} {reply}");
+    }
+    assert_eq!(serde_json::to_value(length()).unwrap(), kept);
+    assert_eq!(viewer.replied(true, "length", "null").0, 200);
+    assert_eq!(length(), None);
+}
+
 /// Looks at the target in all frames but two, and writes the parts that were looked at.
 #[test]
 fn what_was_looked_at_is_written_as_recordings_that_eval_takes() {
