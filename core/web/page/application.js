@@ -7,6 +7,7 @@ import { allEvents, draw, forget, prepareDrawing } from "./drawing.js";
 import { drawMade, drawMenu } from "./exports.js";
 import { cancel, make, read, take } from "./files.js";
 import { pressed } from "./keys.js";
+import { dropLength, measure as measureLength, takeLength } from "./length.js";
 import { ENDED } from "./messages.js";
 import { Playback, frameNamed } from "./playback.js";
 import { answers, app, begin, say, silent, size, targetOf, timeOf, trying } from "./state.js";
@@ -59,6 +60,7 @@ function heard(told) {
     app.recording[fact] = told[fact] ?? app.recording[fact];
   }
   app.recording.session = told.session;
+  app.recording.length = told.length ?? null;
   if (told.targets !== undefined) {
     app.edits.load(told.targets, told.ids);
     answers.keep(app.edits.targets.map(({ id }) => id));
@@ -124,7 +126,8 @@ function listen() {
     undo: () => undo(false),
     redo: () => undo(true),
     gone: goOrComeBack,
-    unlock, stop,
+    unlock, stop, dropLength,
+    length: measureLength,
     add: () => {
       choose(null);
       byId("stage").focus({ preventScroll: true });
@@ -144,11 +147,13 @@ function listen() {
     },
     speed: () => app.playback.restart(),
     trail: draw,
+    curve: draw,
     method: useMethod,
     settings: useMethod,
     boxes: () => read(byId("boxes").files[0]),
   };
   Object.entries(fields).forEach(listenTo("change"));
+  listenTo("submit")(["measured", takeLength]);
   document.addEventListener("keydown", pressed);
   addEventListener("beforeunload", (event) => app.source.hasWork && event.preventDefault());
   document.addEventListener("dragover", (event) => event.preventDefault());

@@ -4,6 +4,7 @@ import { byId } from "./dom.js";
 import { Drag, gripOf, inside } from "./drag.js";
 import { draw } from "./drawing.js";
 import { isGone, lockIn, nameOf } from "./edits.js";
+import { lineDrag } from "./length.js";
 import { doubtOf, slipOf } from "./question.js";
 import { answers, app, boxOf, complain, isThere, say, silent, size, targetOf, whole, write } from "./state.js";
 
@@ -186,8 +187,10 @@ export function remove(target) {
   changed();
 }
 
-/** Returns the drags on the element `stage` by which the user draws boxes. */
-export const dragOn = (stage) => new Drag(stage, { size, start: startGrip, view: () => app.viewport.seen, grip: gripAt, click: clicked, lock, propose });
+const boxDrag = { size, start: startGrip, view: () => app.viewport.seen, grip: gripAt, click: clicked, lock, propose };
+
+/** Returns the drags on the element `stage` by which the user draws boxes, or the line of a length. */
+export const dragOn = (stage) => new Drag(stage, () => (app.measured === null ? boxDrag : lineDrag));
 
 function propose(box, grip) {
   if (box !== null && app.proposed === null) {

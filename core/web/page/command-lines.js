@@ -7,7 +7,7 @@ import { nameOf } from "./edits.js";
 const TITLES = { view: "The command that opens it again", track: "The command that follows it", report: "The command that makes a page of it" };
 
 /** `verbs` maps subcommands to their last arguments, such as { report: "-o report.html" }. */
-export function drawCommands(place, verbs, { words, method, options }, targets) {
+export function drawCommands(place, verbs, { words, method, options, length }, targets) {
   const shown = Object.keys(TITLES).filter((verb) => verb in verbs);
   if (place.dataset.shown !== shown.join()) {
     place.dataset.shown = shown.join();
@@ -17,7 +17,8 @@ export function drawCommands(place, verbs, { words, method, options }, targets) 
   const inits = initsOf(named, targets.length > 1 || targets.some(({ name }) => name !== ""));
   const chosen = typed(options);
   for (const verb of shown) {
-    const parts = ["host-sim", verb, words, ...inits, `--method ${method}`, ...chosen, verbs[verb]];
+    const metres = length && verb !== "report" ? `--pixels-per-metre ${length.pixels_per_metre}` : "";
+    const parts = ["host-sim", verb, words, ...inits, `--method ${method}`, ...chosen, metres, verbs[verb]];
     write(verb, targets.length === 0 ? "Drag a box first." : parts.filter(Boolean).join(" "));
     document.querySelector(`[data-of=${verb}]`).disabled = targets.length === 0;
   }

@@ -106,6 +106,11 @@ export class Connection {
     await told("method", { method, options });
   }
 
+  /** Saves the length in the picture that the user has drawn, or removes it if it is null. */
+  async length(length) {
+    await told("length", length);
+  }
+
   async stop() {
     await told("stop", {});
   }

@@ -12,26 +12,34 @@ const MIN_DRAG = 3;
 
 export class Drag {
   #canvas;
-  #page;
+  #pageNow;
   #from = null; // where the pointer went down
   #isMoved = false;
   #grip = null; // what it took hold of
   #box = null; // what is drawn
 
   /**
-   * `page` has: size(), the frame's size or null; view(), the frame's visible part; start(), the grip whose box the Enter
+   * `pageNow()` returns an object with: size(), the frame's size or null; view(), the frame's visible part; start(), the grip whose box the Enter
    * key proposes, with the id null if the box is a new one; grip(point, reach), which returns a grip { box, held }, the box at the point and its gripped part (see
    * `gripOf`), or null; propose(box or null, grip or null), which shows the box; lock(box, grip or null), which returns
-   * false to keep the box drawn; click(point).
+   * false to keep the box drawn; click(point); `isLine`, true if a line is drawn instead of a box: from the corner x, y,
+   * with a width and height that may be negative or 0.
    */
-  constructor(canvas, page) {
-    this.#canvas = canvas;
-    this.#page = page;
+  constructor(canvas, pageNow) {
+    [this.#canvas, this.#pageNow] = [canvas, pageNow];
     canvas.addEventListener("pointerdown", (event) => this.#down(event));
     canvas.addEventListener("pointermove", (event) => this.#moved(event));
     canvas.addEventListener("pointerup", (event) => this.#up(event));
     canvas.addEventListener("pointercancel", () => this.drop());
     canvas.addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  get #page() {
+    return this.#pageNow();
+  }
+
+  get #fit() {
+    return this.#page.isLine ? clipped : inside;
   }
 
   /** True while a mouse, pen or finger draws. */
@@ -92,7 +100,7 @@ export class Drag {
     }
     if (ARROWS[event.key] !== undefined && this.#box !== null) {
       event.preventDefault();
-      this.#propose(changed(this.#box, event, size));
+      this.#propose(this.#fit(changed(this.#box, event, size), size));
     } else if (event.key === "Enter") {
       event.preventDefault();
       this.#box === null ? this.#begin(this.#page.start(), size) : this.#lock(this.#box);
@@ -101,7 +109,7 @@ export class Drag {
 
   #begin(grip, size) {
     this.#grip = grip.id === null ? null : grip;
-    this.#propose(inside(grip.box, size));
+    this.#propose(this.#fit(grip.box, size));
   }
 
   #lock(box) {
@@ -117,7 +125,11 @@ export class Drag {
 
   #dragged(to) {
     const size = this.#page.size();
-    return this.#grip === null ? between(this.#from, to, size) : pulled(this.#grip, this.#from, to, size);
+    if (this.#grip !== null) {
+      return pulled(this.#grip, this.#from, to, size);
+    }
+    const { x, y } = this.#from;
+    return this.#page.isLine ? clipped({ x, y, width: to.x - x, height: to.y - y }, size) : between(this.#from, to, size);
   }
 
   #gripAt(event) {
@@ -161,9 +173,16 @@ function cursorOf(held) {
   return down === 0 ? "ew-resize" : across === 0 ? "ns-resize" : across === down ? "nwse-resize" : "nesw-resize";
 }
 
+const edge = (value, most) => clamp(Math.round(value), 0, most);
+
+// Rounds the ends of a line to whole pixels, and clamps them to the frame.
+function clipped({ x, y, width, height }, size) {
+  const [left, top] = [edge(x, size.width), edge(y, size.height)];
+  return { x: left, y: top, width: edge(x + width, size.width) - left, height: edge(y + height, size.height) - top };
+}
+
 // Returns the box between two corners, rounded to whole pixels and clamped to the frame.
 function between(a, b, size) {
-  const edge = (value, most) => clamp(Math.round(value), 0, most);
   const [left, right] = [edge(a.x, size.width), edge(b.x, size.width)].sort((one, other) => one - other);
   const [top, bottom] = [edge(a.y, size.height), edge(b.y, size.height)].sort((one, other) => one - other);
   return { x: left, y: top, width: right - left, height: bottom - top };
@@ -183,10 +202,7 @@ function pulled({ box, held: [across, down] }, from, to, size) {
 
 function changed(box, { key, shiftKey, altKey }, size) {
   const [right, down] = ARROWS[key].map((way) => way * (altKey ? 1 : Math.max(Math.round(size.width / STEPS), 1)));
-  if (shiftKey) {
-    return inside({ ...box, width: box.width + right, height: box.height + down }, size);
-  }
-  return inside({ ...box, x: box.x + right, y: box.y + down }, size);
+  return shiftKey ? { ...box, width: box.width + right, height: box.height + down } : { ...box, x: box.x + right, y: box.y + down };
 }
 
 /** Shifts a box into a frame of `size`, and shrinks it if it is larger. */

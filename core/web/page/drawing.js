@@ -9,6 +9,7 @@ import { drawLimits } from "./exports.js";
 import { FRAMES, chartsOf, drawFigures } from "./figures.js";
 import { Graph } from "./graph.js";
 import { drawList } from "./list.js";
+import { drawLine, movementOf, scaleOf } from "./movement.js";
 import { Preview } from "./preview.js";
 import { drawStage } from "./stage.js";
 import { answers, app, boxIn, boxOf, say, size, targetOf, timeOf, whole, write } from "./state.js";
@@ -78,6 +79,10 @@ function drawFrame() {
     detail.draw(context, shown, placed);
     if (byId("trail").checked) {
       app.edits.targets.forEach((target) => drawTrail(context, shown, { boxAt: trailOf(target), placed, color: target.color }));
+    }
+    const line = app.measured?.drawn ?? app.measured?.line;
+    if (line) {
+      drawLine(context, placed(line));
     }
   };
   drawStage(byId("stage"), { image, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed: app.proposed, color });
@@ -162,9 +167,21 @@ function drawReadings() {
   drawEvents(byId("events"), allEvents(), { timeOf, goTo: act.visit, chosen: shown });
   drawChosen(chosen);
   drawControls(chosen);
+  drawLength();
   app.truth.draw(chosen);
   drawLimits(byId("files"), edits.targets.length);
   drawCommands(byId("commands"), kind === "live" ? { track: "" } : { view: "", track: "", report: "-o report.html" }, recording, edits.targets);
+}
+
+// Draws the fields for a length in the picture.
+export function drawLength() {
+  const { measured, recording } = app;
+  byId("movement").hidden = byId("curve").value !== "movement";
+  byId("length").ariaPressed = measured !== null;
+  byId("measured").hidden = measured === null;
+  byId("metres").disabled = byId("takeLength").disabled = !measured?.line;
+  byId("dropLength").disabled = !recording.length;
+  write(byId("scale"), scaleOf(recording.length));
 }
 
 function drawTargets(chosen) {
@@ -187,8 +204,12 @@ function drawChosen(chosen) {
   byId("curves").hidden = chosen === null;
   if (chosen !== null && seesCurves() && shown !== null) {
     const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
-    const charts = chartsOf(byId("curves"), app.recording.method, answers.around(chosen.id, end - FRAMES + 1, end));
-    graph.draw({ charts, first: end - FRAMES + 1, last: end, now: shown, named, timeOf });
+    const range = { first: end - FRAMES + 1, last: end };
+    const { method, length } = app.recording;
+    const charts = byId("curve").value === "movement"
+      ? movementOf(byId("curves"), method, { ...range, boxAt: trailOf(chosen), timeOf, length })
+      : chartsOf(byId("curves"), method, answers.around(chosen.id, range.first, range.last));
+    graph.draw({ charts, ...range, now: shown, named, timeOf });
   }
 }
 
@@ -261,6 +282,9 @@ function load() {
 
 // Returns the sentence that stands in the picture: what to do next.
 function hint(chosen) {
+  if (app.measured !== null) {
+    return "Drag a line along something whose length you know.";
+  }
   if (chosen === null) {
     return app.edits.targets.length === 0 ? "Drag a box over what is to be followed." : "Drag a box over the new target.";
   }

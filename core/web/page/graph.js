@@ -9,12 +9,11 @@ const LEFT = 56, RIGHT = 14, BAND = 18, AXIS = 18, EDGE = 6;
 const LABEL = 64; // pixels for each label of the axis
 const FEWEST = 5; // frames that a zoom leaves
 const STEADY = 4; // pixels that a click may move
-const ROUND = [1, 10, 100, 1000, 1e4, 1e5, 1e6].flatMap((unit) => [unit, 2 * unit, 5 * unit]);
 const UNKNOWN = "–";
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const isThere = (value) => value !== null && value !== undefined && !Number.isNaN(value);
-const short = (value) => (value >= 1e6 ? `${value / 1e6}M` : value >= 1e4 ? `${value / 1e3}k` : String(value));
+const short = (number, value = Number(number.toPrecision(9))) => (value >= 1e6 ? `${value / 1e6}M` : value >= 1e4 ? `${value / 1e3}k` : String(value));
 
 export class Graph {
   #goTo;
@@ -41,7 +40,7 @@ export class Graph {
 
   /**
    * Draws `charts` over the frames from `first` to `last`. A chart is { place, title, most, digits, lines } or { place,
-   * title, bands }: `place` is its parent element, `most` the upper end of the axis, `digits` the decimals of values. A
+   * title, bands }: `place` is its parent element, `least` (0) and `most` the ends of the axis, `digits` the decimals of values. A
    * line or band is { title, look, isSecond, numbers, values, read }: `values` has one entry for each frame in
    * `numbers`, which ascend; `read(at)`, if given, formats `values[at]`. `now` is the frame to mark, `hidden` the
    * ranges [first, last] to shade, `named(frame)` a frame's label on the axis.
@@ -268,7 +267,7 @@ export class Graph {
 
   #drawAxis(context, x, y, width) {
     const { from, to } = this.#span();
-    const step = ROUND.find((one) => (x(one) - x(0)) >= LABEL) ?? ROUND.at(-1);
+    const step = Math.max(stepOf(LABEL / (x(1) - x(0))), 1);
     for (let number = Math.ceil(Math.max(from, 1) / step) * step; number <= to; number += step) {
       const text = this.#shown.named(number);
       if (x(number) + context.measureText(text).width / 2 <= width) {
@@ -341,11 +340,17 @@ export function spansOf(values, numbers = null) {
 
 const largestOf = (values) => once(largest, values, () => values.reduce((most, value) => (value > most ? value : most), 0));
 
-function drawGrid(context, { lines, most }, bottom, right) {
+// Returns 1, 2 or 5 times a power of 10, at least `least`.
+function stepOf(least) {
+  const unit = 10 ** Math.floor(Math.log10(least));
+  return unit * [1, 2, 5, 10].find((times) => times * unit >= least);
+}
+
+function drawGrid(context, { lines, least = 0, most }, bottom, right) {
   const top = most ?? Math.max(1, 1.05 * lines.reduce((high, { values }) => Math.max(high, largestOf(values)), 0));
-  const y = (value) => bottom - ((bottom - EDGE) * value) / top;
-  const step = most === 1 ? 0.5 : ROUND.find((one) => 3.5 * one >= top);
-  for (let value = 0; value <= top; value += step) {
+  const y = (value) => bottom - ((bottom - EDGE) * (value - least)) / (top - least);
+  const step = stepOf((top - least) / 3.5);
+  for (let value = Math.ceil(least / step) * step; value <= top; value += step) {
     context.fillStyle = palette().rule;
     context.fillRect(LEFT, y(value) - 0.5, right - LEFT, 1);
     label(context, short(value), LEFT - 4, y(value) + 4);

@@ -2,6 +2,7 @@
 
 import { choose, undo, unlock } from "./boxes.js";
 import { byId } from "./dom.js";
+import { endMeasuring } from "./length.js";
 import { app, say } from "./state.js";
 
 export function pressed(event) {
@@ -39,11 +40,15 @@ function acted(event) {
   return isActed;
 }
 
-// Closes the help or the menu of exports. Returns false if neither is open.
+// Closes the help, ends measuring a length or closes the menu of exports. Returns false if there is nothing to end.
 function closed() {
   const [help, menu] = [byId("help"), byId("export")];
   if (help.matches(":popover-open")) {
     help.hidePopover();
+    return true;
+  }
+  if (app.measured !== null) {
+    endMeasuring();
     return true;
   }
   const isOpen = menu.open;

@@ -82,23 +82,32 @@ export class Local {
   async targets(targets, ids, checked) {
     const source = this.#source;
     await this.#following.targets(targets);
-    this.#work.set(source.key ?? source, { targets, ids, checked: new Map(checked) });
+    this.#keep(source, { targets, ids, checked: new Map(checked) });
   }
 
   /** Keeps the ranges of frames in which the user has looked at a target. */
   async checked(id, frames) {
-    this.#work.get(this.#source.key)?.checked.set(id, frames);
+    this.#work.get(this.#source.key)?.checked?.set(id, frames);
   }
 
-  /** True if the user has drawn or changed boxes, which end with the page. */
+  async length(length) {
+    this.#keep(this.#source, { length });
+  }
+
+  #keep(source, made) {
+    const key = source.key ?? source;
+    this.#work.set(key, { ...this.#work.get(key), ...made });
+  }
+
+  /** True if the user has drawn or changed boxes or a length, which end with the page. */
   get hasWork() {
-    return [...this.#work.values()].some(({ targets }) => targets.length > 0);
+    return [...this.#work.values()].some(({ targets, length }) => targets?.length > 0 || length);
   }
 
   async method(method, options) {
     this.#following.method({ method, options });
     // Other boxes are to come than those that the user has looked at.
-    this.#work.get(this.#source.key)?.checked.clear();
+    this.#work.get(this.#source.key)?.checked?.clear();
   }
 
   async stop() {
@@ -115,7 +124,7 @@ export class Local {
     const rows = this.#following.rows(nameOf);
     const timeOf = (number) => this.#source.timeOf?.(number) ?? null;
     if (format === "csv") {
-      return { name: `${stem}.csv`, bytes: csv(rows, timeOf) };
+      return { name: `${stem}.csv`, bytes: csv(rows, timeOf, this.#length) };
     }
     if (format === "json") {
       return { name: `${stem}.jsonl`, bytes: json(rows, { version: this.#version, method, options }, timeOf) };
@@ -134,9 +143,9 @@ export class Local {
     return `smr page ${this.#version}`;
   }
 
-  // Returns the user's work on a source: { targets, ids, checked }; see `session`.
+  // Returns the user's work on a source: { targets, ids, checked, length }; see `session`.
   #worked(source) {
-    return this.#work.get(source.key ?? source) ?? { targets: source.targets ?? [], ids: 0, checked: new Map() };
+    return { targets: source.targets ?? [], ids: 0, checked: new Map(), length: null, ...this.#work.get(source.key ?? source) };
   }
 
   // Replaces the work on the present source by that of a session.
@@ -154,9 +163,9 @@ export class Local {
     if (source.live) {
       throw new Error(`${file}: a camera has other frames now: open its recording first.`);
     }
-    const { using, targets, ids, madeBy } = found;
+    const { using, targets, ids, madeBy, length } = found;
     const checked = new Map(targets.map((target) => [target.id, madeBy === this.#madeBy ? (target.checked ?? []) : []]));
-    this.#work.set(source.key, { targets, ids, checked });
+    this.#work.set(source.key, { targets, ids, checked, length });
     this.#following.using = using;
     this.#following.use(source);
     this.#heard({ opened: { ...this.#facts(source), plays: false } });
@@ -201,13 +210,17 @@ export class Local {
   // Follows the user's targets in a source. Returns what the application needs to know about it.
   #facts(source) {
     const { name, words, live, width, height } = source;
-    const { targets, ids, checked } = this.#worked(source);
+    const { targets, ids, checked, length } = this.#worked(source);
     this.#following.targets(targets).catch((error) => this.#say(error.message));
     return {
-      name, words, live, width, height, ids, ...source.news(), ...this.#following.using, methods: METHODS, version: `smr ${this.#version}`,
+      name, words, live, width, height, ids, length, ...source.news(), ...this.#following.using, methods: METHODS, version: `smr ${this.#version}`,
       targets: targets.map((target) => ({ ...target, checked: checked.get(target.id) })), formats: live ? FORMATS : [...FORMATS, SESSION],
       timeOf: (number) => source.timeOf?.(number) ?? null, plays: source.targets !== undefined,
     };
+  }
+
+  get #length() {
+    return this.#worked(this.#source).length;
   }
 
   #came() {
@@ -216,7 +229,7 @@ export class Local {
   }
 
   #tell(news) {
-    this.#heard({ rows: [], followed: this.#following.followed, silent: this.#following.silent, ...news });
+    this.#heard({ rows: [], followed: this.#following.followed, silent: this.#following.silent, length: this.#length, ...news });
   }
 
   #say(said, cause = "source") {

@@ -1,23 +1,27 @@
 // Formats the trackers' answers as `host-sim track --format csv` and `host-sim track --json` do.
 
-const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work,centre_x,centre_y,speed\n";
+import { centreOf, speedOf } from "./movement.js";
 
-// Rounds to six decimals, as host-sim does.
-const rounded = (value, unit) => (Number.isFinite(value) ? Math.round((value / unit) * 1e6) / 1e6 : null);
+const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work,centre_x,centre_y,speed";
+const METRE_NAMES = ",centre_x_m,centre_y_m,speed_m_s";
+
+// Rounds to six decimals, and halves away from zero, as host-sim does.
+const rounded = (value, unit) => (Number.isFinite(value) ? (Math.sign(value) * Math.round(Math.abs(value / unit) * 1e6)) / 1e6 : null);
 
 /**
  * Returns CSV with the answers of all targets, by frame. `named` is a list of [name, rows], each row { number, state,
- * box, fineBox, ... }; `timeOf(frame)` is the time of a frame in seconds, or null.
+ * box, fineBox, ... }; `timeOf(frame)` is the time of a frame in seconds, or null. `length` is the known length in the
+ * picture, if any.
  */
-export function csv(named, timeOf) {
+export function csv(named, timeOf, length) {
   const isNamed = named.length > 1;
   const formers = new Map();
   const lines = inOrder(named).map(([name, row]) => {
-    const line = csvLine(row, timeOf, formers.get(name));
+    const line = csvLine(row, timeOf, formers.get(name), length?.pixels_per_metre);
     formers.set(name, row);
     return `${isNamed ? `${name},` : ""}${line}\n`;
   });
-  return (isNamed ? "target," : "") + CSV_NAMES + lines.join("");
+  return `${isNamed ? "target," : ""}${CSV_NAMES}${length ? METRE_NAMES : ""}\n${lines.join("")}`;
 }
 
 /** Returns one JSON object per line, with the fields of `origin` first. */
@@ -31,23 +35,13 @@ function inOrder(named) {
   return all.sort(([, one], [, other]) => one.number - other.number);
 }
 
-// The centre of a row's box, and its time; null while the target is lost.
-function centreOf({ number, state, fineBox: { x, y, width, height } }, timeOf) {
-  return state === "lost" ? null : { x: (x + width / 2) / 256, y: (y + height / 2) / 256, time: timeOf(number) };
-}
-
-// Pixels a second from the target's frame before; null if one of both frames has no box or no time.
-function speedOf(centre, row, former, timeOf) {
-  const before = former?.number === row.number - 1 ? centreOf(former, timeOf) : null;
-  const seconds = (centre?.time ?? NaN) - (before?.time ?? NaN);
-  return seconds > 0 ? rounded(Math.hypot(centre.x - before.x, centre.y - before.y) / seconds, 1) : null;
-}
-
-function csvLine(row, timeOf, former) {
+function csvLine(row, timeOf, former, per) {
   const { frame, time, state, fine, confidence, ratio, runner_up_ratio, alpha, identity, scale, work } = ofRow(row, timeOf);
   const box = fine === null ? ["", "", "", ""] : [fine.x, fine.y, fine.width, fine.height];
-  const centre = centreOf(row, timeOf);
-  const moved = [centre?.x, centre?.y, speedOf(centre, row, former, timeOf)];
+  const centre = ({ number, state, fineBox }) => (state === "lost" ? null : centreOf(fineBox, timeOf(number), 256));
+  const [before, now] = [former?.number === row.number - 1 ? centre(former) : null, centre(row)];
+  const speed = (per) => rounded(speedOf(before, now, per) ?? NaN, 1);
+  const moved = [now?.x, now?.y, speed(1), ...(per ? [rounded(now?.x, per), rounded(now?.y, per), speed(per)] : [])];
   return [frame, time, ...box, state, confidence, ratio, runner_up_ratio, alpha, identity, scale, work, ...moved].map((value) => value ?? "").join(",");
 }
 

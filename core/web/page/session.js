@@ -10,17 +10,17 @@ export const stemOf = (name) => name.replace(/(.)\.[^.]*$/, "$1");
 
 /**
  * Formats a session. `checked` are the ranges of frames in which the user has looked at a target, by its id; `madeBy` is
- * the program whose boxes these were.
+ * the program whose boxes these were; `length` is the known length in the picture, or null.
  */
-export function session({ name, using, targets, ids, checked, madeBy }) {
+export function session({ name, using, targets, ids, checked, madeBy, length }) {
   const told = targets.map((target) => toldOf(target, checked.get(target.id)));
-  const work = { smr_session: VERSION, recording: stemOf(name), ...using, targets: told, ids, made_by: madeBy, frame: null };
+  const work = { smr_session: VERSION, recording: stemOf(name), ...using, targets: told, ids, made_by: madeBy, frame: null, ...(length ? { length } : {}) };
   return `${JSON.stringify(work, null, 2)}\n`;
 }
 
 /**
- * Parses a session of the recording `name`, whose frames are `width` by `height`. Returns { using, targets, ids, madeBy },
- * or null if the text is something else. Throws the reason if the session cannot be used.
+ * Parses a session of the recording `name`, whose frames are `width` by `height`. Returns { using, targets, ids, madeBy,
+ * length }, or null if the text is something else. Throws the reason if the session cannot be used.
  */
 export function parsed(text, { name, width, height }) {
   let work;
@@ -29,7 +29,7 @@ export function parsed(text, { name, width, height }) {
   } catch {
     return null;
   }
-  const { smr_session: version, recording, method, options, targets, ids = 0, made_by: madeBy } = work ?? {};
+  const { smr_session: version, recording, method, options, targets, ids = 0, made_by: madeBy, length = null } = work ?? {};
   if (version === undefined) {
     return null;
   }
@@ -42,17 +42,20 @@ export function parsed(text, { name, width, height }) {
   if (!METHODS.includes(method)) {
     throw new Error(`this page has no tracker ${method}: open it in host-sim view.`);
   }
-  return { using: { method, options }, targets: targets.map(targetOf), ids, madeBy };
+  return { using: { method, options }, targets: targets.map(targetOf), ids, madeBy, length };
 }
 
-function isSession({ smr_session: version, method, options, targets }, size) {
+function isSession({ smr_session: version, method, options, targets, length = null }, size) {
   const isIn = ([x, y, width, height]) => Math.min(x, y) >= 0 && Math.min(width, height) > 0 && x + width <= size.width && y + height <= size.height;
   const isBox = (box) => box === null || (box.length === 4 && box.every(Number.isInteger) && isIn(box));
   const isLock = ({ frame, box }) => isCount(frame) && isBox(box);
   const isTarget = ({ id, name, locks, hidden = [], checked = [] }) =>
     isCount(id) && typeof name === "string" && locks.length > 0 && locks[0].box !== null && locks.every(isLock) && [...hidden, ...checked].every(isRange);
+  const isEnd = (x, y) => x >= 0 && y >= 0 && x <= size.width && y <= size.height;
+  const isLine = ([x1, y1, x2, y2, ...more]) => [x1, y1, x2, y2].every(Number.isInteger) && isEnd(x1, y1) && isEnd(x2, y2) && more.length === 0;
+  const isLength = ({ pixels_per_metre: pixels, line }) => pixels >= 1e-6 && pixels <= 1e6 && (line === null || isLine(line));
   try {
-    return version === VERSION && typeof method === "string" && typeof options === "object" && targets.every(isTarget);
+    return version === VERSION && typeof method === "string" && typeof options === "object" && targets.every(isTarget) && (length === null || isLength(length));
   } catch {
     return false;
   }

@@ -16,6 +16,7 @@ export const app = {
   news: {},
   proposed: null, // a box that is being drawn
   pulled: null, // the grip that it is pulled by
+  measured: null, // a length that is being measured: { line, drawn }, its line and the one under the pointer
   asked: null, // a box of which the user has to say what it is for: { box, grip, id, first }
   hovered: { number: null }, // the frame under the mouse on the timeline
   hasEnded: false,
@@ -31,7 +32,7 @@ export function begin(facts) {
   const recording = { first: 1, ...facts };
   const edits = new Edits();
   const kind = recording.live ? "live" : "recorded";
-  Object.assign(app, { recording, edits, kind, news: {}, followed: null, hasEnded: false, hovered: { number: null }, messages: new Messages() });
+  Object.assign(app, { recording, edits, kind, news: {}, followed: null, hasEnded: false, hovered: { number: null }, measured: null, messages: new Messages() });
   answers.keep([]);
   edits.load(recording.targets, recording.ids);
 }

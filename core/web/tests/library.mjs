@@ -11,6 +11,9 @@ export const PROJECT = fileURLToPath(new URL("../../../", import.meta.url));
 export const PACKAGE = process.env.SMR_WEB ?? join(PROJECT, "target/web");
 export const HOST_SIM = process.env.SMR_HOST_SIM;
 
+/** An expression of a page: the charts that reach beyond the window. */
+export const BELOW = `[...document.querySelectorAll("#curves .panel")].filter((panel) => panel.getBoundingClientRect().bottom > innerHeight).map((panel) => panel.textContent)`;
+
 export async function libraries() {
   const library = (name) => load(readFileSync(join(PACKAGE, name)));
   return { plain: await library("smr.wasm"), simd: await library("smr-simd.wasm") };

@@ -9,6 +9,7 @@ import { copyWindow, frameOf } from "../frame.js";
 import { bundle } from "../page/bundle.mjs";
 import { about, instructions } from "../page/cost.js";
 import { csv, json } from "../page/rows.js";
+import { lengthOf, lineOf, metresOf, movementOf } from "../page/movement.js";
 import { initsOf, optionsOf, quoted, typed } from "../page/command.js";
 import { scene } from "../page/scene.js";
 import { parsed, session } from "../page/session.js";
@@ -79,6 +80,12 @@ test("rows are those of host-sim", () => {
   assert.equal(csv([["1", rows]], timeOf), head + written.map((row) => `${row}\n`).join(""));
   const both = csv([["1", rows], ["2", rows]], timeOf);
   assert.equal(both, `target,${head}${written.flatMap((row) => [`1,${row}\n`, `2,${row}\n`]).join("")}`);
+  const metres = csv([["1", [{ ...lock, fineBox: { x: -3, y: -9, width: 0, height: 0 } }, ...rows.slice(1)]]], timeOf, { pixels_per_metre: 1 }).split("\n");
+  assert.equal(metres[0], `${head.trim()},centre_x_m,centre_y_m,speed_m_s`);
+  // Halves are rounded away from zero: -3 / 256 is -0.01171875, and -9 / 256 is -0.03515625.
+  assert.equal(metres[1], "7,0.2,-0.01171875,-0.03515625,0,0,tracking,,,,,,,,-0.01171875,-0.03515625,,-0.011719,-0.035156,");
+  assert.equal(csv([["1", rows]], timeOf, { pixels_per_metre: 2.5 }).split("\n")[2], `${written[1]},6.401563,8.8,0.046875`);
+  assert.match(metres[3], /^9,,,,,,lost,.*,,,,,,$/);
   const origin = { version: "0.1.0", method: "paper", options: { config: "camera" } };
   const [locked, , lost] = json([["1", rows]], origin, timeOf).trim().split("\n").map((line) => JSON.parse(line));
   assert.deepEqual(locked, {
@@ -92,21 +99,48 @@ test("a session is read as it was written, and others say why not", () => {
   const recording = { name: "my clip.v2.mp4", width: 100, height: 80 };
   const targets = [{ id: 2, name: "car", locks: [{ number: 1, box: BOX, byHand: true }, { number: 9, box: { ...BOX, x: 70 } }, { number: 12, box: null }], hidden: [[3, 4]] }];
   const using = { method: "robust", options: { set: ["reach=6"] } };
-  const text = session({ name: recording.name, using, targets, ids: 3, checked: new Map([[2, [[1, 7]]]]), madeBy: "page" });
+  const length = { pixels_per_metre: 40.5, line: [0, 80, 100, 0] };
+  const text = session({ name: recording.name, using, targets, ids: 3, checked: new Map([[2, [[1, 7]]]]), madeBy: "page", length });
   assert.equal(JSON.parse(text).recording, "my clip.v2");
   const read = parsed(text, recording);
-  assert.deepEqual([read.using, read.ids, read.madeBy, read.targets[0].checked, read.targets[0].hidden], [using, 3, "page", [[1, 7]], [[3, 4]]]);
+  assert.deepEqual([read.using, read.ids, read.madeBy, read.length, read.targets[0].checked, read.targets[0].hidden], [using, 3, "page", length, [[1, 7]], [[3, 4]]]);
   assert.deepEqual(read.targets[0].locks.map(({ number, box, byHand }) => [number, box?.x, byHand ?? false]), [[1, 1, true], [9, 70, false], [12, undefined, false]]);
   for (const other of ["", "frame,x,y", "[1]", "null", "7", "{}"]) {
     assert.equal(parsed(other, recording), null, other);
   }
-  const damaged = [["\"smr_session\": 1", "\"smr_session\": 2"], ["\"id\": 2", "\"id\": \"2\""], ["30,", "0,"], ["70,", "71,"], ["\"frame\": 9", "\"frame\": 0.5"], ["\"locks\"", "\"lock\""], ["3,", "9,"]];
+  const damaged = [["\"smr_session\": 1", "\"smr_session\": 2"], ["\"id\": 2", "\"id\": \"2\""], ["30,", "0,"], ["70,", "71,"], ["\"frame\": 9", "\"frame\": 0.5"], ["\"locks\"", "\"lock\""], ["3,", "9,"], ["80,", "81,"], ["40.5", "0"]];
   for (const [from, to] of damaged) {
     assert.ok(text.includes(from), from);
     assert.throws(() => parsed(text.replace(from, to), recording), /damaged, or of another version/, `${from} ${to}`);
   }
   assert.throws(() => parsed(text, { ...recording, name: "other.mp4" }), /it is of my clip.v2: open that recording first/);
   assert.throws(() => parsed(text.replace("robust", "sad"), recording), /no tracker sad/);
+});
+
+test("centre and speed are those of the box that is seen, in pixels or metres, and have no value without a box or a time", () => {
+  const at = (x, y) => ({ x, y, width: 4, height: 2 });
+  const boxes = [undefined, at(0, 0), at(30, 40), at(30, 40), null, at(0, 0), at(1, 0)];
+  const values = (first, length, timeOf = (number) => number / 10) =>
+    movementOf(null, "robust", { first, last: 6, boxAt: (number) => boxes[number] ?? null, timeOf, length }).map(({ lines: [{ numbers, values, read }] }) => [numbers[0], ...values.map((value, at) => value && read(at))]);
+  const [x, y, speed] = values(2, null);
+  assert.deepEqual(x, [1, "2 pixels", "32 pixels", "32 pixels", null, "2 pixels", "3 pixels"]);
+  assert.deepEqual(y, [1, "1 pixels", "41 pixels", "41 pixels", null, "1 pixels", "1 pixels"]);
+  assert.deepEqual(speed, [1, null, "500 pixels/s", 0, null, null, "10 pixels/s"]);
+  const [across, , metres] = values(1, { pixels_per_metre: 20 });
+  assert.deepEqual([across.slice(0, 4), metres.slice(0, 4)], [[0, null, "0.1 m", "1.6 m"], [0, null, null, "25 m/s"]]);
+  assert.deepEqual(values(1, null, () => null)[2], [0, null, null, null, null, null, null, null]);
+  const [{ least, most }, , { least: zero, title }] = movementOf(null, "robust", { first: 2, last: 3, boxAt: (number) => boxes[number], timeOf: () => null, length: null });
+  assert.deepEqual([least < 2 && least > -2, most > 32 && most < 36, zero, title], [true, true, 0, "Speed (frames have no times)"]);
+});
+
+test("a line has the length that is typed, with a point or a comma; nonsense, nothing and less are no length", () => {
+  const line = { x: 10, y: 50, width: 300, height: -40 };
+  const length = lengthOf(line, " 2,5 ");
+  assert.deepEqual(length, { pixels_per_metre: 121.062, line: [10, 50, 310, 10] });
+  assert.deepEqual([lineOf(length), metresOf(length), metresOf(null), lineOf({ pixels_per_metre: 9, line: null })], [line, "2.5", "", null]);
+  for (const text of ["", "0", "0.0", "-2", "two", "2.5 km", "1.000,5", "NaN", "Infinity", "1e-9", "1e99"]) {
+    assert.equal(lengthOf(line, text), null, text);
+  }
 });
 
 test("options and names are those of a shell", () => {

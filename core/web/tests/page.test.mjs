@@ -8,7 +8,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { Browser } from "./browser.mjs";
-import { HOST_SIM } from "./library.mjs";
+import { BELOW, HOST_SIM } from "./library.mjs";
 import {
   FRAMES, NUMBER, PRESSED, STARTED, address, answers, boxes, browser, choose, columns, downloaded, dragBox, folder, followed, host, lines, onPage, pausedAt, replays, same,
   settled, shoot, why,
@@ -139,6 +139,33 @@ onPage("a box of 0x0, one that is refused, a removed target", async (page) => {
   await page.until(`document.querySelectorAll("#targets li").length === 0 && document.querySelectorAll("#files button:disabled").length === 4`);
 });
 
+onPage("a length in the picture: the CSV has metres as that of host-sim, and the length comes back with its source", async (page) => {
+  await pausedAt(page, 40);
+  assert.deepEqual(await page.value(BELOW), [], "the curves of the tracker stand beside the picture");
+  await page.select("curve", "movement");
+  await page.until(`[...document.querySelectorAll("#curves .panel b")].map((title) => title.textContent).join() === "Centre x,Centre y,Speed (frames have no times)"`);
+  await page.click("#length");
+  await dragBox(page, { x: 30, y: 200, width: 250, height: -20 });
+  await page.until(`document.activeElement.id === "metres"`);
+  await page.value(`document.getElementById("metres").value = "7,5"`);
+  await page.key("Enter");
+  await page.until(`/--pixels-per-metre 33.4398$/.test(document.getElementById("track").textContent)`);
+  await page.until(`/^[\\d.]+ m$/.test(document.querySelector("#curves .value").textContent.trim())`);
+  assert.deepEqual(await page.value(BELOW), [], "the curves of the movement stand beside the picture");
+  await shoot(page, "movement", 1280);
+  await followed(page);
+  assert.deepEqual(await boxes(page), lines(host(...(await page.text("track")).split(" ").slice(1)).stdout));
+  await page.click("#camera");
+  await page.until(`document.getElementById("name").textContent === "camera" && document.getElementById("scale").textContent === ""`);
+  await page.click("#built-in");
+  await page.until(`document.getElementById("scale").textContent === "A metre has 33.44 pixels."`);
+  await page.click("#length");
+  await page.until(`document.getElementById("metres").value === "7.5" && !document.getElementById("dropLength").disabled`);
+  await page.click("#dropLength");
+  await page.until(`document.getElementById("measured").hidden && document.getElementById("scale").textContent === ""`);
+  assert.doesNotMatch(await page.text("track"), /metre/);
+});
+
 onPage("work is not lost: the page asks before it is left, and a source that is opened again has its boxes", async (page) => {
   await pausedAt(page, 4);
   await page.click("#plays");
@@ -169,14 +196,16 @@ onPage("truth by hand is kept in a session, which host-sim view and the page ope
   await page.until(`${NUMBER} === 1`);
   await dragBox(page, { x: 40, y: 80, width: 20, height: 20 });
   await page.until(`document.getElementById("track").textContent.includes("target2=40,80,20,20")`);
+  await followed(page);
+  await page.key("Home");
   await page.key("ArrowRight", { shift: true });
   await page.until(`${NUMBER} === 11`);
-  await dragBox(page, { x: 60, y: 100, width: 20, height: 20 });
+  await dragBox(page, { x: 64, y: 104, width: 20, height: 20 });
   await page.until(`!document.getElementById("asked").hidden || document.getElementById("track").textContent.includes("@11")`);
   if (await page.value(`!document.getElementById("asked").hidden`)) {
     await page.click("#correct");
   }
-  await page.until(`document.getElementById("track").textContent.includes("target2=60,100,20,20@11")`);
+  await page.until(`document.getElementById("track").textContent.includes("target2=64,104,20,20@11")`);
   await page.key("b");
   await page.key("ArrowRight", { shift: true });
   await page.until(`${NUMBER} === 21`);
@@ -189,7 +218,7 @@ onPage("truth by hand is kept in a session, which host-sim view and the page ope
   copyFileSync(await downloaded(page, "Session", ".smr.json"), saved);
   const work = JSON.parse(readFileSync(saved, "utf8"));
   const [, marked] = work.targets;
-  assert.deepEqual(marked.locks.map(({ frame, box, by_hand: byHand }) => [frame, box, byHand]), [[1, [40, 80, 20, 20], true], [11, [60, 100, 20, 20], false]]);
+  assert.deepEqual(marked.locks.map(({ frame, box, by_hand: byHand }) => [frame, box, byHand]), [[1, [40, 80, 20, 20], true], [11, [64, 104, 20, 20], false]]);
   assert.deepEqual([marked.hidden[0][0], work.recording, work.method], [21, "street", "robust"]);
   assert.ok(marked.checked.length > 0);
 
@@ -202,7 +231,7 @@ onPage("truth by hand is kept in a session, which host-sim view and the page ope
   await loaded;
   await page.until(STARTED);
   await choose(page, saved);
-  await page.until(`document.getElementById("track").textContent.includes("target2=60,100,20,20@11")`);
+  await page.until(`document.getElementById("track").textContent.includes("target2=64,104,20,20@11")`);
   await page.click("#targets li:last-child input");
   await page.until(`document.getElementById("share").textContent === ${JSON.stringify(share)}`);
 

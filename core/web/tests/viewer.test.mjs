@@ -10,7 +10,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { Browser, hasBrowser } from "./browser.mjs";
-import { PACKAGE } from "./library.mjs";
+import { BELOW, PACKAGE } from "./library.mjs";
 
 const HOST_SIM = process.env.SMR_HOST_SIM;
 const FRAMES = 240;
@@ -309,6 +309,104 @@ onViewer("a tracked box is corrected where it is pulled, at its edges too", asyn
   await commands(page, new RegExp(`--init ${x + 5},${y + 3},${width},${height}@40`));
   await page.drag(await place(page, x + 5 + width, y + 3 + height), await place(page, x + 15 + width, y + 8 + height));
   await commands(page, new RegExp(`--init ${x + 5},${y + 3},${width + 10},${height + 5}@40`));
+});
+
+// The value of a chart at the shown frame, as text.
+const curve = (title) => `[...document.querySelectorAll("#curves .panel")].find((panel) => panel.querySelector("b").textContent === "${title}")?.querySelector(".value").textContent.trim()`;
+const four = (number) => Number(Number(number).toPrecision(4));
+
+// Waits until the charts of the movement say what the CSV says of the frame.
+async function movesAs(page, frame, [x, y, speed], unit) {
+  const line = (await boxes(page, "csv")).split("\n").find((row) => row.startsWith(`${frame},`)).split(",");
+  const names = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work,centre_x,centre_y,speed,centre_x_m,centre_y_m,speed_m_s".split(",");
+  const value = (name) => line[names.indexOf(name)];
+  for (const [title, name, of] of [["Centre x", x, unit], ["Centre y", y, unit], ["Speed", speed, `${unit}/s`]]) {
+    await page.until(`${curve(title)} === "${four(value(name))} ${of}"`);
+  }
+}
+
+onViewer("centre and speed are curves, and with a length that is drawn once they are in metres", async (page, { server }) => {
+  await page.click("#plays");
+  await dragBox(page, BOX);
+  await followedAll(page);
+  await goTo(page, 30);
+  assert.equal(await page.value(`document.getElementById("movement").hidden`), true);
+  await page.select("curve", "movement");
+  await movesAs(page, 30, ["centre_x", "centre_y", "speed"], "pixels");
+  await page.click("#length");
+  await says(page, "hint", /^Drag a line along something/);
+  await page.drag(await place(page, 10, 100), await place(page, 130, 20));
+  await page.until(`document.activeElement.id === "metres"`);
+  for (const text of ["two", "0", "-2,5", ""]) {
+    await page.value(`document.getElementById("metres").value = "${text}"`);
+    await page.key("Enter");
+    await page.until(`document.getElementById("said").textContent === '"${text}" is no length: expected metres, such as 2.5.'`);
+  }
+  await page.value(`document.getElementById("metres").value = "2,5"`);
+  await page.key("Enter");
+  await page.until(`document.getElementById("measured").hidden && document.getElementById("said").hidden`);
+  await movesAs(page, 30, ["centre_x_m", "centre_y_m", "speed_m_s"], "m");
+  assert.equal(await page.text("scale"), "A metre has 57.69 pixels.");
+  await commands(page, /--init 36,24,24,28 --method robust --pixels-per-metre 57.6888$/);
+  for (const id of ["view", "report"]) {
+    assert.equal(/--pixels-per-metre 57.6888$/.test(await page.text(id)), id === "view", await page.text(id));
+  }
+  assert.equal(await boxes(page, "csv"), host(...(await command(page)).split(" ").slice(1)).stdout);
+  await shoot(page, "movement", 1280);
+  await page.size(1280, 900);
+  // The line is shown on demand; Esc leaves it as it is.
+  await page.click("#length");
+  await page.until(`document.getElementById("metres").value === "2.5" && !document.getElementById("measured").hidden`);
+  await page.drag(await place(page, 20, 20), await place(page, 20, 60));
+  await page.until(`document.activeElement.id === "metres"`);
+  await page.key("Escape");
+  await page.until(`document.getElementById("measured").hidden`);
+  await commands(page, /--pixels-per-metre 57.6888$/);
+  // A box is a box again, and the frame under a line is not left.
+  await focus(page);
+  await page.key("ArrowRight");
+  await isAt(page, 31);
+  await page.click("#length");
+  await keys(page, ["Enter"], ["ArrowLeft", { shift: true, alt: true }], ["Enter"]);
+  await page.until(`document.activeElement.id === "metres"`);
+  await page.value(`document.getElementById("metres").value = ".5"`);
+  await page.click("#takeLength");
+  await commands(page, new RegExp(`--pixels-per-metre ${Number((2 * Math.hypot(119, 80)).toPrecision(6))}$`));
+  await page.until(`fetch("source").then((answer) => answer.json()).then(({ length }) => length.line.join() === "10,100,129,20")`);
+  // Where the target is hidden, there is no value.
+  await focus(page);
+  await page.key("h");
+  await page.until(`["Centre x", "Centre y", "Speed"].every((title) => [...document.querySelectorAll("#curves .panel")].find((panel) => panel.querySelector("b").textContent === title).querySelector(".value").textContent.trim() === "–")`);
+  server.kill();
+  await says(page, "said", /^host-sim has ended/);
+  page.errors.length = 0; // of requests that host-sim does not answer any more
+  page.requests.length = 0;
+  const again = await served(["clip.y4m"]);
+  const [one, other] = [await browser.page(again.address), await browser.page(again.address)];
+  await one.select("curve", "movement");
+  await one.until(`document.getElementById("scale").textContent === "A metre has 286.8 pixels."`);
+  await one.click("#length");
+  await one.until(`document.getElementById("metres").value === "0.5" && !document.getElementById("dropLength").disabled`);
+  await other.until(`/--pixels-per-metre/.test(document.getElementById("track")?.textContent)`);
+  await one.click("#dropLength");
+  await commands(one, /--method robust$/);
+  await commands(other, /--method robust$/);
+  assert.deepEqual([one.errors, other.errors], [[], []]);
+  await one.close();
+  await other.close();
+  again.server.kill();
+});
+
+onViewer("all curves stand beside the picture in a window of 1280x900", async (page) => {
+  await page.click("#plays");
+  await dragBox(page, BOX);
+  await followedAll(page);
+  for (const [choice, titles] of [["tracker", "States,Confidence,Identity,Ratio"], ["movement", "Centre x,Centre y,Speed"]]) {
+    await page.select("curve", choice);
+    await page.until(`[...document.querySelectorAll("#curves .panel b")].map((title) => title.textContent).join() === "${titles}"`);
+    assert.equal(await page.value(`scrollY`), 0);
+    assert.deepEqual(await page.value(BELOW), [], choice);
+  }
 });
 
 onViewer("a target that is gone has no box until it is back, and the line that is shown repeats it", async (page) => {

@@ -121,6 +121,7 @@ fn numbers_at_the_ends_of_every_type_are_refused_with_words() {
         ("checked", r#"{"target":N,"frames":[[1,N]]}"#.to_owned()),
         ("place", r#"{"frame":N}"#.to_owned()),
         ("cancel", r#"{"id":N}"#.to_owned()),
+        ("length", r#"{"pixels_per_metre":N,"line":[N,1,N,2]}"#.to_owned()),
         ("boxes", "frame,x,y,width,height,state\nN,1,2,3,4,\n".to_owned()),
         ("boxes", "frame,x,y,width,height,state\n1,1,2,3,4,\nN,1,2,3,4,\n".to_owned()),
         ("boxes", "frame,x,y,width,height\n1,N,N,N,N\n".to_owned()),
