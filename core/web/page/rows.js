@@ -38,7 +38,7 @@ function inOrder(named) {
 function csvLine(row, timeOf, former, per) {
   const { frame, time, state, fine, confidence, ratio, runner_up_ratio, alpha, identity, scale, work } = ofRow(row, timeOf);
   const box = fine === null ? ["", "", "", ""] : [fine.x, fine.y, fine.width, fine.height];
-  const centre = ({ number, state, fineBox }) => (state === "lost" ? null : centreOf(fineBox, timeOf(number), 256));
+  const centre = ({ number, state, fineBox }) => (state === "lost" ? null : centreOf(fineBox, rounded(timeOf(number) ?? NaN, 1), 256));
   const [before, now] = [former?.number === row.number - 1 ? centre(former) : null, centre(row)];
   const speed = (per) => rounded(speedOf(before, now, per) ?? NaN, 1);
   const moved = [now?.x, now?.y, speed(1), ...(per ? [rounded(now?.x, per), rounded(now?.y, per), speed(per)] : [])];

@@ -76,7 +76,7 @@ test("rows are those of host-sim", () => {
   const rows = [lock, { number: 8, ...ANSWER }, { number: 9, ...ANSWER, state: "lost", confidence: 0, runnerUpRatio: 32767.5, identity: 49151.25 }];
   const timeOf = (frame) => (frame === 9 ? null : (frame - 1) / 30);
   const head = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work,centre_x,centre_y,speed\n";
-  const written = ["7,0.2,1,2,30,40,tracking,,,,,,,,16,22,", "8,0.233333,1.00390625,2,30,40,tracking,1,0.333333,,10,,1,9,16.00390625,22,0.117188", "9,,,,,,lost,0,0.333333,0.5,10,0.75,1,9,,,"];
+  const written = ["7,0.2,1,2,30,40,tracking,,,,,,,,16,22,", "8,0.233333,1.00390625,2,30,40,tracking,1,0.333333,,10,,1,9,16.00390625,22,0.117189", "9,,,,,,lost,0,0.333333,0.5,10,0.75,1,9,,,"];
   assert.equal(csv([["1", rows]], timeOf), head + written.map((row) => `${row}\n`).join(""));
   const both = csv([["1", rows], ["2", rows]], timeOf);
   assert.equal(both, `target,${head}${written.flatMap((row) => [`1,${row}\n`, `2,${row}\n`]).join("")}`);

@@ -168,8 +168,10 @@ impl Printer {
     }
 
     /// Returns the way of the target's centre since its frame before; `None` if one of both frames has no box or no time.
+    /// Times are those that are printed: a browser knows no finer ones, and its speeds are the same.
     fn way(&mut self, answer: &Answer<'_>) -> Option<Way> {
-        let present = answer.time.zip(answer.report.and_then(|report| report.target).map(|target| target.centre()));
+        let time = answer.time.map(rounded);
+        let present = time.zip(answer.report.and_then(|report| report.target).map(|target| target.centre()));
         let former = std::mem::replace(self.former.get_mut(answer.target)?, present);
         let ((before, from), (now, to)) = former.zip(present)?;
         let (right, down) = (to.0 - from.0, to.1 - from.1);
