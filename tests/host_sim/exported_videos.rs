@@ -48,14 +48,25 @@ fn a_video_shows_what_is_chosen_and_is_cropped_to_the_target() {
     assert!(marked.iter().all(|frames| *frames != plain));
     assert!(marked[0] != marked[1] && marked[1] != marked[2] && marked[0] != marked[2]);
     assert!(written("usual", &[]) == written("both", &["--draw", "box,name"]));
-    // Three times the longer side of the first box; the target stays in the middle.
+    // Three times the longer side of the first box, enlarged to at least 480 pixels; the target stays in the middle.
     let cropped = written("cropped", &["--crop", "--draw", "nothing"]);
-    assert!(cropped.iter().all(|frame| (frame.width, frame.height) == (84, 84)));
-    let part = |frame: &GrayFrame, left: usize, top: usize| {
-        let rows = frame.pixels.chunks(frame.width.into()).skip(top).take(84);
-        rows.flat_map(|row| row[left..left + 84].to_vec()).collect::<Vec<_>>()
+    assert!(cropped.iter().all(|frame| (frame.width, frame.height) == (6 * 84, 6 * 84)));
+    assert_eq!(place_of(&cropped[0], &plain[0], 6), (6, 0), "48 - 42, and 38 - 42 is not in the frame");
+}
+
+/// Returns the place (left, top) in `frame` of the picture that most resembles `part`, each pixel of which is `by` pixels
+/// wide and high in `part`.
+fn place_of(part: &GrayFrame, frame: &GrayFrame, by: usize) -> (usize, usize) {
+    let at = |frame: &GrayFrame, x: usize, y: usize| frame.pixels[y * usize::from(frame.width) + x];
+    let (width, height) = (usize::from(part.width) / by, usize::from(part.height) / by);
+    let differs = |left: usize, top: usize| -> u32 {
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let one = |(x, y)| at(frame, left + x, top + y).abs_diff(at(part, x * by + by / 2, y * by + by / 2));
+        places.map(|place| u32::from(one(place))).sum()
     };
-    assert!(cropped[0].pixels == part(&plain[0], 6, 0), "48 - 42, and 38 - 42 is not in the frame");
+    let lefts = 0..=usize::from(frame.width) - width;
+    let places = lefts.flat_map(|left| (0..=usize::from(frame.height) - height).map(move |top| (left, top)));
+    places.min_by_key(|&(left, top)| differs(left, top)).unwrap()
 }
 
 /// Writes a clip with colors, sound, pixels that are not square, and irregular frame times.

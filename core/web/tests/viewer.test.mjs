@@ -688,7 +688,7 @@ onViewer("a film and a report are made, and say where they are", async (page, { 
   const film = await page.value(`fetch([...document.querySelectorAll("#made a")].find((one) => one.download.endsWith(".mp4")).href)
     .then((answer) => answer.arrayBuffer()).then((bytes) => btoa(Array.from(new Uint8Array(bytes), (byte) => String.fromCharCode(byte)).join("")))`);
   const size = spawnSync("ffprobe", ["-v", "error", "-show_entries", "stream=width,height", "-of", "csv=p=0", "-"], { input: Buffer.from(film, "base64"), encoding: "utf8" });
-  assert.equal(size.stdout.trim(), "84,84", "it is cropped");
+  assert.equal(size.stdout.trim(), "504,504", "it is cropped");
   await page.click("#firmware summary");
   await says(page, "firmware", /Config/);
 });

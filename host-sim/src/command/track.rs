@@ -51,7 +51,7 @@ pub struct Track {
     ///
     /// Each target's box has the target's color in `view`, and is dashed while the target is uncertain, leaving or, at its last position,
     /// lost. Ground truth is white. The text in the picture is the frame number and, of a single target, the state and the confidence in
-    /// hundredths; names and states of several targets stand at their boxes. The video keeps the recording's colors and, if the recording is a video,
+    /// hundredths; names and states of several targets stand at their boxes; □ stands for letters that are not Latin, Greek, Cyrillic, Armenian or Georgian. The video keeps the recording's colors and, if the recording is a video,
     /// frame times and sound. On a terminal host-sim prints only when a target is lost or found. If the reader of the printed boxes ends
     /// (`| head`), host-sim still finishes the video.
     #[arg(long, value_name = "FILE|DIR")]
@@ -61,8 +61,8 @@ pub struct Track {
     draw: Vec<Mark>,
     /// Cut the video to a part around the target; of several targets, around the first
     ///
-    /// The part is a square with three times the longer side of the first box, or as much of it as fits into the frame. The target is in its
-    /// middle, except near the border of the frame.
+    /// The part is a square with three times the longer side of the first box, or as much of it as fits into the frame, and is enlarged by a whole
+    /// number until it has 480 pixels. The target is in its middle, except near the border of the frame.
     #[arg(long)]
     crop: bool,
     /// The ids of the targets in the viewer of `view`, which orders the video: they select the colors

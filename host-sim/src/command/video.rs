@@ -67,24 +67,24 @@ impl AnswersVideo {
     /// The state of a single target stands beside the frame number, those of several at their boxes.
     pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
         let (number, moment) = (frame.number, frame.moment);
-        let mut overlay = Overlay::new(frame.color.unwrap_or_else(|| (&frame.gray).into()));
-        if let Some(truth) = self.truth.next().flatten().filter(|_| self.shows(Mark::Box)) {
-            overlay.outline(&truth, WHITE);
-        }
+        let mut overlay = Overlay::new(&frame.color.unwrap_or_else(|| (&frame.gray).into()))?;
         self.follow(targets);
-        self.draw(&mut overlay, targets);
         if let Some(first) = &self.look.cropped {
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
             let side = (first.width.max(first.height) * AROUND).ceil() as u32;
             let seen = self.lasts.first().copied().flatten().unwrap_or(*first);
-            overlay = overlay.part(seen.centre(), (side, side));
+            overlay = overlay.part(seen.centre(), side)?;
         }
+        if let Some(truth) = self.truth.next().flatten().filter(|_| self.shows(Mark::Box)) {
+            overlay.outline(&truth, WHITE, false);
+        }
+        self.draw(&mut overlay, targets)?;
         let (words, color) = match targets {
             [Shown { report: Some(report), name }] => described(report, *name),
             _ => (String::new(), WHITE),
         };
         if self.shows(Mark::Name) {
-            overlay.label(&format!("{number}{words}"), color);
+            overlay.label(&format!("{number}{words}"), color)?;
         }
         self.film.frame(&overlay, moment)
     }
@@ -105,7 +105,7 @@ impl AnswersVideo {
         }
     }
 
-    fn draw(&self, overlay: &mut Overlay, targets: &[Shown<'_>]) {
+    fn draw(&self, overlay: &mut Overlay, targets: &[Shown<'_>]) -> Result<()> {
         let is_only = targets.len() == 1;
         for (at, trail) in self.trails.iter().enumerate().filter(|_| self.shows(Mark::Trail)) {
             overlay.path(&trail.iter().copied().collect::<Vec<_>>(), self.color(at));
@@ -114,17 +114,16 @@ impl AnswersVideo {
             let (Some(MethodAnswer { state, .. }), Some(last)) = (shown.report, last) else { continue };
             let color = self.color(at);
             let is_tracking = state == State::Tracking;
-            match is_tracking {
-                _ if !self.shows(Mark::Box) => {}
-                true => overlay.outline(last, color),
-                false => overlay.dashed_outline(last, color),
+            if self.shows(Mark::Box) {
+                overlay.outline(last, color, !is_tracking);
             }
             if !is_only && self.shows(Mark::Name) {
                 let name = shown.name.unwrap_or("");
                 let words = if is_tracking { name.to_owned() } else { format!("{name} {}", name_of(state)) };
-                overlay.label_box(last, &words, color);
+                overlay.label_box(last, &words, color)?;
             }
         }
+        Ok(())
     }
 
     fn color(&self, target: usize) -> Color {

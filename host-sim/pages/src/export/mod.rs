@@ -7,6 +7,7 @@
 pub mod boxes;
 mod c_array;
 mod ffmpeg;
+mod letters;
 mod matroska;
 mod overlay;
 mod pixels_per_metre;

@@ -1,185 +1,170 @@
-//! Draws boxes and lines of text on a frame.
+//! Draws boxes and lines of text on a frame, or on an enlarged part of it.
 
+use super::letters::Line;
 use crate::colors::{BLACK, Color};
-use embedded_graphics::geometry::{OriginDimensions, Point, Size};
-use embedded_graphics::mono_font::{MonoTextStyle, iso_8859_1::FONT_6X10};
-use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
-use embedded_graphics::primitives::{
-    Line, Primitive, PrimitiveStyle, PrimitiveStyleBuilder, Rectangle, StrokeAlignment,
-};
-use embedded_graphics::text::{Baseline, Text};
-use embedded_graphics::{Drawable, Pixel, draw_target::DrawTarget};
+use anyhow::{Context, Result};
 use smr_recordings::{BoundingBox, ColorFrame};
-use std::convert::Infallible;
+use tiny_skia::{
+    FillRule, FilterQuality, IntSize, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PixmapPaint, Point, Rect,
+    Shader, Stroke, StrokeDash, Transform,
+};
 
-/// An RGB frame to draw on, which clips all drawings.
+/// A picture to draw on, which clips all drawings. All places are those of the frame.
 pub struct Overlay {
-    width: u32,
-    height: u32,
-    pixels: Vec<Color>,
+    pixels: Pixmap,
+    /// From the frame to the picture.
+    view: Transform,
 }
 
+/// Least length of an enlarged part's longer side, in pixels.
+const ENLARGED: u32 = 480;
+/// Opacity of the dark border of lines, as in the viewer.
+const SHADOW: u8 = 140;
+
 impl Overlay {
-    pub fn new(ColorFrame { width, height, pixels }: ColorFrame) -> Self {
-        Self { width: width.into(), height: height.into(), pixels }
+    /// Errors: the frame has no pixels.
+    pub fn new(ColorFrame { width, height, pixels }: &ColorFrame) -> Result<Self> {
+        let opaque = pixels.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect();
+        let size = IntSize::from_wh((*width).into(), (*height).into());
+        let pixels = size.and_then(|size| Pixmap::from_vec(opaque, size)).context("a frame has no pixels")?;
+        Ok(Self { pixels, view: Transform::identity() })
     }
 
-    pub const fn size(&self) -> (u32, u32) {
-        (self.width, self.height)
+    pub fn size(&self) -> (u32, u32) {
+        (self.pixels.width(), self.pixels.height())
     }
 
-    pub fn rgb(&self) -> &[u8] {
-        self.pixels.as_flattened()
+    pub fn rgb(&self) -> Vec<u8> {
+        self.pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect()
     }
 
-    fn at(&self, x: u32, y: u32) -> Color {
-        self.pixels[(y * self.width + x) as usize]
+    /// Returns a part of the frame: a square of `side` pixels around `centre`, moved and made smaller so that it lies in the
+    /// frame, and enlarged by a whole number until its longer side has [`ENLARGED`] pixels. The sides are even, as videos
+    /// need, unless the frame has a single column or row.
+    pub fn part(&self, centre: (f64, f64), side: u32) -> Result<Self> {
+        let (width, height) = self.size();
+        let [wide, high] = [width, height].map(|most| (side.min(most) & !1).max(1));
+        let by = ENLARGED.div_ceil(wide.max(high));
+        // To whole pixels of the enlarged part.
+        let first = |centre: f64, part: u32, most: u32| {
+            let first = (centre - f64::from(part) / 2.0).clamp(0.0, f64::from(most - part));
+            single((first * f64::from(by)).round())
+        };
+        let (left, top, scale) = (first(centre.0, wide, width), first(centre.1, high, height), single(by.into()));
+        let view = Transform::from_row(scale, 0.0, 0.0, scale, -left, -top);
+        let mut pixels = Pixmap::new(wide * by, high * by).context("the frame is too large to be enlarged")?;
+        let paint = PixmapPaint { quality: FilterQuality::Bicubic, ..PixmapPaint::default() };
+        pixels.draw_pixmap(0, 0, self.pixels.as_ref(), &paint, view, None);
+        Ok(Self { pixels, view })
     }
 
-    fn set(&mut self, x: u32, y: u32, color: Color) {
-        if x < self.width && y < self.height {
-            self.pixels[(y * self.width + x) as usize] = color;
-        }
+    /// Returns the width of lines in pixels, larger in large pictures so that lines stay visible.
+    fn pen(&self) -> f32 {
+        (1.5 + self.shorter_side() / 360.0).floor()
     }
 
-    /// Returns the width of lines in pixels, larger in large frames so that lines stay visible.
-    fn dot(&self) -> u32 {
-        self.width.min(self.height) / 240 + 1
+    /// Returns the height of letters in pixels.
+    fn letters(&self) -> f32 {
+        8.0 + self.shorter_side() / 45.0
     }
 
-    /// Draws an outline outside the box, so that it hides no small target. A dark border makes it visible anywhere.
-    pub fn outline(&mut self, target: &BoundingBox, color: Color) {
-        let Some(rect) = target.to_rect() else { return };
-        // Clamping prevents overflow. It moves only boxes far outside the frame, whose lines are invisible anyway.
-        let place = Point::new(rect.x.clamp(-100_000, 100_000), rect.y.clamp(-100_000, 100_000));
-        let area = Rectangle::new(place, Size::new(rect.width.into(), rect.height.into()));
-        let dot = self.dot();
-        for (width, color) in [(dot + 1, BLACK), (dot, color)] {
-            let style = PrimitiveStyleBuilder::new().stroke_color(rgb(color)).stroke_width(width);
-            let Ok(()) = area.into_styled(style.stroke_alignment(StrokeAlignment::Outside).build()).draw(self);
-        }
+    fn shorter_side(&self) -> f32 {
+        let (width, height) = self.size();
+        single(width.min(height).into())
     }
 
-    /// Draws the box's edges with dashes, for a target that may not be there.
-    pub fn dashed_outline(&mut self, target: &BoundingBox, color: Color) {
-        let BoundingBox { x, y, width, height } = *target;
-        let (right, bottom) = (x + width, y + height);
-        if [x, y, right, bottom].iter().any(|edge| edge.is_nan() || edge.abs() > 100_000.0) {
-            return;
-        }
-        let dot = self.dot();
-        let corners = [(x, y), (right, y), (right, bottom), (x, bottom), (x, y)];
-        self.line(&corners, dot + 1, BLACK, LONGEST);
-        self.line(&corners, dot, color, f64::from(5 * dot));
+    /// Draws an outline outside the box, so that it hides no small target. It is dashed for a target that may not be there.
+    pub fn outline(&mut self, target: &BoundingBox, color: Color, is_dashed: bool) {
+        let pen = self.pen();
+        let border = (pen / 3.0).ceil();
+        let out = pen / 2.0 + border;
+        let Some(edges) = self.placed(target).and_then(|edges| edges.outset(out, out)) else { return };
+        let path = PathBuilder::from_rect(edges);
+        self.stroke(&path, (BLACK, SHADOW), &Stroke { width: pen + 2.0 * border, ..Stroke::default() });
+        let dash = is_dashed.then(|| StrokeDash::new(vec![5.0 * pen; 2], 0.0)).flatten();
+        self.stroke(&path, (color, u8::MAX), &Stroke { width: pen, dash, ..Stroke::default() });
     }
 
-    /// Draws a line through `points`. Dashes and gaps have the same length, and continue around corners.
-    fn line(&mut self, points: &[(f64, f64)], width: u32, color: Color, dash: f64) {
-        let style = PrimitiveStyle::with_stroke(rgb(color), width);
-        let mut before = 0.0;
-        for ends in points.windows(2) {
-            let (from, to) = (ends[0], ends[1]);
-            let length = (to.0 - from.0).hypot(to.1 - from.1);
-            let at = |along: f64| {
-                let part = if length > 0.0 { (along - before) / length } else { 0.0 };
-                Point::new(pixel(from.0 + (to.0 - from.0) * part), pixel(from.1 + (to.1 - from.1) * part))
-            };
-            let mut next = (before / (2.0 * dash)).floor() * 2.0 * dash;
-            while next <= before + length {
-                let (start, end) = (next.max(before), (next + dash - 1.0).min(before + length));
-                if start <= end {
-                    let Ok(()) = Line::new(at(start), at(end)).into_styled(style).draw(self);
-                }
-                next += 2.0 * dash;
-            }
-            before += length;
-        }
+    /// Returns the box in whole pixels of the picture; `None` if it has none, or lies far outside.
+    fn placed(&self, target: &BoundingBox) -> Option<Rect> {
+        let mut corners = [(target.x, target.y), (target.x + target.width, target.y + target.height)].map(point);
+        self.view.map_points(&mut corners);
+        let is_near = corners.iter().all(|corner| corner.x.abs() < FAR && corner.y.abs() < FAR);
+        let [from, to] = corners.map(|Point { x, y }| (x.round(), y.round()));
+        Rect::from_ltrb(from.0, from.1, to.0, to.1).filter(|_| is_near)
     }
 
     /// Draws the path through `points`.
     pub fn path(&mut self, points: &[(f64, f64)], color: Color) {
-        if points.iter().all(|(x, y)| x.abs() < 100_000.0 && y.abs() < 100_000.0) {
-            self.line(points, self.dot(), color, LONGEST);
+        let mut path = PathBuilder::new();
+        for (at, place) in points.iter().map(|&place| point(place)).enumerate() {
+            if at == 0 { path.move_to(place.x, place.y) } else { path.line_to(place.x, place.y) }
+        }
+        let path = path.finish().and_then(|path| path.transform(self.view));
+        let is_near = |path: &Path| {
+            let bounds = path.bounds();
+            [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()].iter().all(|edge| edge.abs() < FAR)
+        };
+        if let Some(path) = path.filter(is_near) {
+            let (width, line_cap, line_join) = (self.pen(), LineCap::Round, LineJoin::Round);
+            self.stroke(&path, (color, u8::MAX), &Stroke { width, line_cap, line_join, ..Stroke::default() });
         }
     }
 
-    /// Returns a part of the frame: `size` pixels around `centre`, moved and made smaller so that it lies in the frame. The
-    /// width and the height are even, as videos need, unless the frame has a single column or row.
-    pub fn part(&self, centre: (f64, f64), size: (u32, u32)) -> Self {
-        let even = |wanted: u32, most: u32| (wanted.min(most) & !1).max(1);
-        let (width, height) = (even(size.0, self.width), even(size.1, self.height));
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates, and is cut
-        let first =
-            |centre: f64, size: u32, most: u32| ((centre - f64::from(size) / 2.0).round() as u32).min(most - size);
-        let (left, top) = (first(centre.0, width, self.width), first(centre.1, height, self.height));
-        let pixels = (top..top + height).flat_map(|y| (left..left + width).map(move |x| self.at(x, y))).collect();
-        Self { width, height, pixels }
+    fn stroke(&mut self, path: &Path, (color, opacity): (Color, u8), stroke: &Stroke) {
+        let paint = paint(color, opacity);
+        self.pixels.stroke_path(path, &paint, stroke, Transform::identity(), None);
     }
 
-    pub fn label(&mut self, text: &str, color: Color) {
-        let label = lettering(text, color);
-        self.image(0, 0, &label);
-    }
-
-    /// Writes a line of text on a dark background above the box, or in it if there is no space above.
-    pub fn label_box(&mut self, target: &BoundingBox, text: &str, color: Color) {
-        let label = lettering(text, color);
-        let (width, height) = (label.width * self.dot(), label.height * self.dot());
-        let gap = f64::from(height + self.dot());
-        let top = if target.y >= gap { target.y - gap } else { target.y };
-        let most = |whole: u32, part: u32| f64::from(whole.saturating_sub(part));
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // inside the frame
-        let place = |at: f64, most: f64| at.min(most).max(0.0) as u32;
-        self.image(place(target.x, most(self.width, width)), place(top, most(self.height, height)), &label);
-    }
-
-    fn image(&mut self, left: u32, top: u32, image: &Self) {
-        let dot = self.dot();
-        for y in 0..image.height * dot {
-            (0..image.width * dot).for_each(|x| self.set(left + x, top + y, image.at(x / dot, y / dot)));
-        }
-    }
-}
-
-/// Length of a dash that is longer than any line, which makes the line solid.
-const LONGEST: f64 = 1e9;
-
-fn lettering(text: &str, color: Color) -> Overlay {
-    let Size { width, height } = FONT_6X10.character_size;
-    let (width, height) = (text.chars().map(|_| width).sum::<u32>() + 4, height + 2);
-    let mut label = Overlay { width, height, pixels: vec![BLACK; (width * height) as usize] };
-    let style = MonoTextStyle::new(&FONT_6X10, rgb(color));
-    let Ok(_) = Text::with_baseline(text, Point::new(2, 1), style, Baseline::Top).draw(&mut label);
-    label
-}
-
-#[allow(clippy::cast_possible_truncation)] // it saturates
-fn pixel(place: f64) -> i32 {
-    place.round() as i32
-}
-
-const fn rgb([r, g, b]: Color) -> Rgb888 {
-    Rgb888::new(r, g, b)
-}
-
-impl OriginDimensions for Overlay {
-    fn size(&self) -> Size {
-        Size::new(self.width, self.height)
-    }
-}
-
-impl DrawTarget for Overlay {
-    type Color = Rgb888;
-    type Error = Infallible;
-
-    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, pixels: I) -> Result<(), Infallible> {
-        for Pixel(at, color) in pixels {
-            if let (Ok(x), Ok(y)) = (u32::try_from(at.x), u32::try_from(at.y)) {
-                self.set(x, y, [color.r(), color.g(), color.b()]);
-            }
-        }
+    /// Writes a line of text into the corner, in smaller letters if it is longer than the picture.
+    pub fn label(&mut self, text: &str, color: Color) -> Result<()> {
+        let (size, whole) = (self.letters(), single(self.size().0.into()));
+        let width = Line::new(text, size)?.width + size;
+        let size = size * (whole / width).min(1.0);
+        self.write(&Line::new(text, size)?, (size / 2.0, size * 1.2), color);
         Ok(())
     }
+
+    /// Writes a line of text above the box, or below it if there is no space above.
+    pub fn label_box(&mut self, target: &BoundingBox, text: &str, color: Color) -> Result<()> {
+        let Some(edges) = self.placed(target) else { return Ok(()) };
+        let line = Line::new(text, self.letters())?;
+        let (width, height) = self.size();
+        let gap = 2.0 * self.pen() + line.size * 0.3;
+        let is_above = edges.top() - gap >= line.size;
+        let y = if is_above { edges.top() - gap } else { edges.bottom() + gap + line.size * 0.75 };
+        let most = |whole: u32, part: f32| (single(whole.into()) - part).max(0.0);
+        let x = edges.left().min(most(width, line.width + gap)).max(gap);
+        let y = y.min(most(height, gap)).max(line.size);
+        self.write(&line, (x, y), color);
+        Ok(())
+    }
+
+    /// Writes with a dark border, which makes letters legible anywhere.
+    fn write(&mut self, line: &Line, (x, y): (f32, f32), color: Color) {
+        let Some(path) = line.path.clone().and_then(|path| path.transform(Transform::from_translate(x, y))) else {
+            return;
+        };
+        let (width, line_join) = (line.size * 0.22, LineJoin::Round);
+        self.stroke(&path, (BLACK, u8::MAX), &Stroke { width, line_join, ..Stroke::default() });
+        self.pixels.fill_path(&path, &paint(color, u8::MAX), FillRule::Winding, Transform::identity(), None);
+    }
+}
+
+/// Pixels from the corner of the picture beyond which nothing is drawn.
+const FAR: f32 = 100_000.0;
+
+fn point((x, y): (f64, f64)) -> Point {
+    Point { x: single(x), y: single(y) }
+}
+
+#[allow(clippy::cast_possible_truncation)] // what is too large becomes infinite
+const fn single(number: f64) -> f32 {
+    number as f32
+}
+
+fn paint([r, g, b]: Color, opacity: u8) -> Paint<'static> {
+    Paint { shader: Shader::SolidColor(tiny_skia::Color::from_rgba8(r, g, b, opacity)), ..Paint::default() }
 }
 
 #[cfg(test)]
@@ -189,73 +174,121 @@ mod tests {
 
     const GREEN: Color = of_target(4);
     const RED: Color = of_target(6);
+    const GROUND: Color = [100; 3];
 
-    fn plain() -> Overlay {
-        Overlay::new(ColorFrame { width: 20, height: 16, pixels: vec![[100; 3]; 320] })
+    fn plain(width: u16, height: u16) -> Overlay {
+        let pixels = vec![GROUND; usize::from(width) * usize::from(height)];
+        Overlay::new(&ColorFrame { width, height, pixels }).unwrap()
     }
 
-    const GROUND: Color = [100; 3];
+    fn at(overlay: &Overlay, x: u32, y: u32) -> Color {
+        let pixel = overlay.pixels.pixel(x, y).unwrap();
+        [pixel.red(), pixel.green(), pixel.blue()]
+    }
+
+    fn is_plain(overlay: &Overlay) -> bool {
+        overlay.rgb().iter().all(|&value| value == GROUND[0])
+    }
 
     #[test]
     fn an_outline_is_around_the_box() {
-        let mut overlay = plain();
-        overlay.outline(&BoundingBox { x: 4.2, y: 5.0, width: 6.0, height: 4.0 }, GREEN);
-        for (x, y) in [(3, 4), (10, 4), (3, 9), (10, 9), (6, 4)] {
-            assert_eq!(overlay.at(x, y), GREEN, "{x},{y}");
+        let mut overlay = plain(20, 16);
+        overlay.outline(&BoundingBox { x: 4.2, y: 5.0, width: 6.0, height: 4.0 }, GREEN, false);
+        for (x, y) in [(2, 6), (11, 6), (6, 3), (6, 10)] {
+            assert_eq!(at(&overlay, x, y), GREEN, "{x},{y}");
         }
-        assert_eq!((overlay.at(2, 3), overlay.at(11, 10)), (BLACK, BLACK));
-        for (x, y) in [(4, 5), (9, 8), (12, 11)] {
-            assert_eq!(overlay.at(x, y), GROUND, "{x},{y}");
+        for (x, y) in [(4, 5), (9, 8), (13, 12), (0, 0)] {
+            assert_eq!(at(&overlay, x, y), GROUND, "{x},{y}");
         }
-        let green = overlay.pixels.iter().filter(|&&pixel| pixel == GREEN).count();
-        assert_eq!((green, overlay.at(0, 0)), (2 * 8 + 2 * 4, GROUND));
+        assert!(at(&overlay, 1, 2)[0] < GROUND[0] && at(&overlay, 3, 4)[0] < GROUND[0], "a dark border on both sides");
+        let green = overlay.rgb().chunks(3).filter(|&pixel| pixel == GREEN).count();
+        assert_eq!(green, 2 * 8 + 2 * 6, "without the corners, which are smooth");
     }
 
     #[test]
     fn what_lies_outside_is_cut() {
-        let mut overlay = plain();
-        overlay.outline(&BoundingBox { x: -5.0, y: -5.0, width: 1000.0, height: 8.0 }, RED);
-        assert_eq!((overlay.at(0, 3), overlay.at(19, 3), overlay.at(0, 0)), (RED, RED, GROUND));
-        let mut overlay = plain();
-        overlay.outline(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 8.0 }, RED);
-        overlay.outline(&BoundingBox { x: 2e9, y: -2e9, width: 65535.0, height: 65535.0 }, RED);
-        assert!(overlay.pixels.iter().all(|&pixel| pixel == GROUND));
-        overlay.label("WIDER THAN THE FRAME", WHITE);
-        assert_eq!(overlay.at(19, 0), BLACK);
-    }
-
-    #[test]
-    fn a_part_lies_in_the_frame_and_a_path_goes_through_its_points() {
-        let mut overlay = plain();
-        overlay.path(&[(2.0, 3.0), (2.0, 9.0), (8.0, 9.0)], GREEN);
-        assert_eq!(
-            [(2, 3), (2, 6), (5, 9), (8, 9), (9, 9)].map(|(x, y)| overlay.at(x, y) == GREEN),
-            [true, true, true, true, false]
-        );
-        overlay.path(&[(f64::NAN, 3.0), (1e300, 9.0)], RED);
-        let part = overlay.part((3.0, 9.0), (7, 5));
-        assert_eq!((part.size(), part.at(2, 2), part.at(3, 2), part.at(5, 3)), ((6, 4), GREEN, GREEN, GROUND));
-        for centre in [(-50.0, -50.0), (1e300, f64::NAN), (10.0, 8.0)] {
-            assert_eq!((overlay.part(centre, (99, 9)).size(), overlay.part(centre, (0, 1)).size()), ((20, 8), (1, 1)));
+        let mut overlay = plain(20, 16);
+        overlay.outline(&BoundingBox { x: -5.0, y: -5.0, width: 1000.0, height: 8.0 }, RED, false);
+        assert_eq!([(0, 4), (19, 4), (0, 0)].map(|(x, y)| at(&overlay, x, y)), [RED, RED, GROUND]);
+        let mut overlay = plain(20, 16);
+        for is_dashed in [false, true] {
+            overlay.outline(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 8.0 }, RED, is_dashed);
+            overlay.outline(&BoundingBox { x: 2e9, y: -2e9, width: 65535.0, height: 65535.0 }, RED, is_dashed);
         }
+        overlay.path(&[(f64::NAN, 3.0), (1e300, 9.0)], RED);
+        overlay.path(&[(3.0, 3.0), (2e9, 9.0)], RED);
+        overlay.label_box(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 5.0 }, "a", RED).unwrap();
+        assert!(is_plain(&overlay));
+        assert!(Overlay::new(&ColorFrame { width: 0, height: 16, pixels: vec![] }).is_err());
     }
 
     #[test]
-    fn dashes_go_on_around_the_corner() {
-        let mut overlay = Overlay { width: 30, height: 30, pixels: vec![BLACK; 900] };
-        overlay.line(&[(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)], 1, WHITE, 8.0);
-        let drawn = |x: u32, y: u32| overlay.at(x, y) == WHITE;
-        assert_eq!([0, 7, 9, 15, 17, 19].map(|x| drawn(x, 0)), [true, true, false, false, true, true]);
-        assert_eq!([2, 5, 11, 13, 19].map(|y| drawn(20, y)), [true, false, false, true, true]);
+    fn a_path_goes_through_its_points() {
+        let mut overlay = plain(20, 16);
+        overlay.path(&[(2.5, 3.5), (2.5, 9.5), (8.5, 9.5)], GREEN);
+        assert_eq!([(2, 4), (2, 6), (5, 9), (7, 9)].map(|(x, y)| at(&overlay, x, y)), [GREEN; 4]);
+        assert_eq!([(4, 4), (10, 9), (5, 7)].map(|(x, y)| at(&overlay, x, y)), [GROUND; 3]);
     }
 
     #[test]
-    fn dashes_leave_gaps_and_a_label_stays_in_the_frame() {
-        let mut overlay = plain();
-        overlay.dashed_outline(&BoundingBox { x: 4.0, y: 5.0, width: 12.0, height: 8.0 }, RED);
-        assert_eq!((overlay.at(5, 5), overlay.at(11, 5), overlay.at(8, 8)), (RED, BLACK, GROUND));
-        overlay.dashed_outline(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 8.0 }, RED);
-        overlay.label_box(&BoundingBox { x: 1e9, y: -1e9, width: 5.0, height: 5.0 }, "a", RED);
-        assert_eq!((overlay.at(19, 0), overlay.at(0, 0)), (BLACK, GROUND));
+    fn a_part_lies_in_the_frame_and_is_enlarged() {
+        let pixels = (0..20 * 16).map(|at| if at % 20 < 10 { GREEN } else { RED }).collect();
+        let whole = Overlay::new(&ColorFrame { width: 20, height: 16, pixels }).unwrap();
+        // A pixel has 80 pixels of the part; the colors meet at 10 in the frame.
+        let meets = |part: &Overlay| (0..480).find(|&x| at(part, x, 240)[1] < 155).unwrap();
+        let mut part = whole.part((10.0, 8.0), 7).unwrap();
+        assert_eq!((part.size(), at(&part, 40, 240), at(&part, 440, 240), meets(&part)), ((480, 480), GREEN, RED, 240));
+        part = whole.part((10.25, 8.0), 7).unwrap();
+        assert_eq!(meets(&part), 220, "(10 - 7.25) * 80");
+        part.outline(&BoundingBox { x: 8.25, y: 6.0, width: 2.0, height: 3.0 }, WHITE, false);
+        assert_eq!([(78, 100), (240, 80), (242, 100)].map(|(x, y)| at(&part, x, y) == WHITE), [true, false, true]);
+        for centre in [(-50.0, -50.0), (1e300, f64::NAN), (10.0, 8.0)] {
+            let size = |side| whole.part(centre, side).unwrap().size();
+            assert_eq!((size(99), size(0)), ((24 * 20, 24 * 16), (480, 480)));
+        }
+        let large = plain(800, 600);
+        assert_eq!((large.part((400.0, 300.0), 501).unwrap().size()), (500, 500));
+    }
+
+    #[test]
+    fn a_dashed_outline_has_gaps() {
+        let mut overlay = plain(60, 60);
+        overlay.outline(&BoundingBox { x: 10.0, y: 10.0, width: 40.0, height: 40.0 }, RED, true);
+        let reds: Vec<_> = (10..50).map(|x| at(&overlay, x, 8) == RED).collect();
+        assert!(reds.windows(2).filter(|pair| pair[0] != pair[1]).count() > 5, "{reds:?}");
+        assert_eq!(at(&overlay, 30, 30), GROUND);
+    }
+
+    #[test]
+    fn text_is_smooth_and_stays_in_the_picture() {
+        let mut overlay = plain(320, 240);
+        overlay.label("12 tracking 99", WHITE).unwrap();
+        let shades: std::collections::BTreeSet<u8> = overlay.rgb().iter().copied().collect();
+        assert!(shades.len() > 30 && shades.contains(&0) && shades.contains(&255), "{shades:?}");
+        let inked = |overlay: &Overlay| {
+            let rgb = overlay.rgb();
+            let width = overlay.size().0 as usize;
+            let places = rgb.chunks(3).enumerate().filter(|(_, pixel)| *pixel != GROUND);
+            let places: Vec<_> = places.map(|(at, _)| (at % width, at / width)).collect();
+            let (xs, ys) = (places.iter().map(|place| place.0), places.iter().map(|place| place.1));
+            (xs.clone().min().unwrap(), xs.max().unwrap(), ys.clone().min().unwrap(), ys.max().unwrap())
+        };
+        let mut narrow = plain(80, 60);
+        narrow.label("12 a long name tracking 99", WHITE).unwrap();
+        assert!(inked(&narrow).1 < 80 - 2, "smaller letters");
+        // Above the box; below it at the upper border; inside the frame at all borders.
+        for (x, y, above) in [
+            (100.0, 100.0, true),
+            (100.0, 2.0, false),
+            (-30.0, 100.0, true),
+            (310.0, 100.0, true),
+            (310.0, 250.0, true),
+        ] {
+            let mut overlay = plain(320, 240);
+            overlay.label_box(&BoundingBox { x, y, width: 20.0, height: 20.0 }, "Åg", RED).unwrap();
+            let (left, right, top, bottom) = inked(&overlay);
+            assert!(left > 0 && right < 319 && top > 0 && bottom < 239, "{x} {y}: {left} {right} {top} {bottom}");
+            assert_eq!((bottom as f64) < y + 10.0, above, "{x} {y}");
+        }
     }
 }

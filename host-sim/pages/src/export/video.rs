@@ -97,10 +97,10 @@ impl VideoWriter {
         let (time, number) = (self.timeline.next(moment), self.plan.number);
         self.plan.number += 1;
         match &mut self.way {
-            Way::Images(folder) => folder.write(&format!("{number:05}.png"), &rgb_png(overlay.size(), overlay.rgb())?),
+            Way::Images(folder) => folder.write(&format!("{number:05}.png"), &rgb_png(overlay.size(), &overlay.rgb())?),
             Way::Video(encoder, output, kind) => {
                 let mut write = || {
-                    let mut bytes = matroska::frame((time, self.timeline.interval), overlay.rgb());
+                    let mut bytes = matroska::frame((time, self.timeline.interval), &overlay.rgb());
                     if encoder.is_none() {
                         bytes = [matroska::head(overlay.size()), bytes].concat();
                         let file = output.path();
@@ -244,9 +244,9 @@ mod tests {
     fn frames() -> impl Iterator<Item = Overlay> {
         (0..3u8).map(|step| {
             let pixels = (0..61 * 43).map(|at: u32| at.to_le_bytes()[0] / 2).collect();
-            let mut overlay = Overlay::new((&GrayFrame { width: 61, height: 43, pixels }).into());
-            overlay
-                .outline(&BoundingBox { x: f64::from(step) + 10.0, y: 15.0, width: 20.0, height: 12.0 }, of_target(1));
+            let mut overlay = Overlay::new(&(&GrayFrame { width: 61, height: 43, pixels }).into()).unwrap();
+            let target = BoundingBox { x: f64::from(step) + 10.0, y: 15.0, width: 20.0, height: 12.0 };
+            overlay.outline(&target, of_target(1), false);
             overlay
         })
     }
@@ -270,7 +270,7 @@ mod tests {
             let read = decode_colors(&png).unwrap();
             assert_eq!(
                 ((read.width.into(), read.height.into()), read.pixels.as_flattened()),
-                (frame.size(), frame.rgb())
+                (frame.size(), &frame.rgb()[..])
             );
         }
     }
