@@ -36,7 +36,7 @@ fn a_video_shows_what_is_chosen_and_is_cropped_to_the_target() {
     let folder = tempfile::tempdir().unwrap();
     let written = |name: &str, more: &[&str]| {
         let out = folder.path().join(name);
-        let track = ["track", "synthetic", "--frames", "..9", "--init", "36,24,24,28", "--video", utf8(&out)];
+        let track = ["track", "synthetic", "--frames", "..9", "--init", "car=36,24,24,28", "--video", utf8(&out)];
         let said = host_sim(&[&track, more].concat());
         assert_eq!(said.code, Some(0), "{}", said.err);
         let frames = smr_recordings::open(&out, &OpenOptions::default()).unwrap().frames;
@@ -52,6 +52,8 @@ fn a_video_shows_what_is_chosen_and_is_cropped_to_the_target() {
     let cropped = written("cropped", &["--crop", "--draw", "nothing"]);
     assert!(cropped.iter().all(|frame| (frame.width, frame.height) == (6 * 84, 6 * 84)));
     assert_eq!(place_of(&cropped[0], &plain[0], 6), (6, 0), "48 - 42, and 38 - 42 is not in the frame");
+    let other = written("other", &["--init", "other target=100,60,24,24", "--draw=nothing", "--crop=other target"]);
+    assert_eq!(place_of(&other[0], &plain[0], 480_usize.div_ceil(72)), (76, 36), "112 - 36, and 72 - 36");
 }
 
 /// Returns the place (left, top) in `frame` of the picture that most resembles `part`, each pixel of which is `by` pixels

@@ -243,7 +243,9 @@ fn a_video_and_a_report_are_made_to_be_taken_away() {
     if !has_ffmpeg("a_video_and_a_report_are_made_to_be_taken_away") {
         return;
     }
-    assert!(viewer.made("film", &json!({ "as": "mp4" }))[4..].starts_with(b"ftyp"));
+    assert!(viewer.made("film", &json!({ "as": "mp4", "crop": 1 }))[4..].starts_with(b"ftyp"));
+    let (status, said) = viewer.post("film", &json!({ "as": "mp4", "crop": 7 }));
+    assert_eq!((status, &*said), (400, "crop: this target has no box: expected one that has"));
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

@@ -169,7 +169,7 @@ function drawReadings() {
   drawControls(chosen);
   drawLength();
   app.truth.draw(chosen);
-  drawLimits(byId("files"), edits.targets.length);
+  drawLimits(byId("files"), edits.targets.length, chosen);
   drawCommands(byId("commands"), kind === "live" ? { track: "" } : { view: "", track: "", report: "-o report.html" }, recording, edits.targets);
 }
 

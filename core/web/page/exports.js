@@ -2,6 +2,7 @@
 
 import { quoted } from "./command.js";
 import { byId, htmlNode } from "./dom.js";
+import { nameOf } from "./edits.js";
 
 const FORMATS = { csv: "CSV", json: "JSON", tld: "TLD", vot: "VOT", otb: "OTB", got10k: "GOT-10k", mot: "MOT", coco: "COCO", cvat: "CVAT XML", record: "Flight record", session: "Session" };
 const ONE_TARGET = "holds one target only";
@@ -20,8 +21,8 @@ export function drawMenu(place, { formats, films }, { take, make }) {
   const others = formats.filter(({ name }) => !["csv", "session"].includes(name)).map(boxes);
   const draw = htmlNode("select", { id: "draw" }, ...Object.entries(SHOWN).map(([value, text]) => htmlNode("option", { value }, text)));
   const crop = htmlNode("input", { type: "checkbox", id: "crop" });
-  const film = (as) => button(`Video (.${as})`, {}, () => make("film", { as, draw: draw.value, crop: crop.checked }));
-  const made = make === undefined || films.length === 0 ? [] : [...films.map(film), htmlNode("label", {}, "with ", draw), htmlNode("label", {}, crop, " cropped to the first target")];
+  const film = (as) => button(`Video (.${as})`, {}, () => make("film", { as, draw: draw.value, crop: crop.checked ? Number(crop.value) : null }));
+  const made = make === undefined || films.length === 0 ? [] : [...films.map(film), htmlNode("label", {}, "with ", draw), htmlNode("label", {}, crop, " cropped to ", htmlNode("span", { id: "cropped" }, "the target"))];
   const lines = [
     ["To watch and to show", made],
     ["For a spreadsheet, R or Python: a line for each frame", only("csv")],
@@ -33,8 +34,8 @@ export function drawMenu(place, { formats, films }, { take, make }) {
   place.replaceChildren(...lines.filter(([, nodes]) => nodes.length > 0).map(([title, nodes]) => htmlNode("div", { class: "controls", role: "group", "aria-label": title }, ...nodes, htmlNode("small", {}, title))));
 }
 
-/** Disables the formats that cannot store `count` targets, and shows the reason. */
-export function drawLimits(place, count) {
+/** Disables the formats that cannot store `count` targets, and shows the reason and the target that a video is cropped to. */
+export function drawLimits(place, count, chosen) {
   const isWriting = byId("made").querySelector("progress[aria-label$=truth]") !== null;
   for (const node of place.querySelectorAll("button")) {
     const why = count === 0 ? NO_BOX : isWriting && node.id === "recording" ? "It is being written." : count > 1 && node.dataset.several === "false" ? ONE_TARGET : "";
@@ -42,6 +43,11 @@ export function drawLimits(place, count) {
     node.title = why;
   }
   const isLimited = count > 1 && place.querySelector("[data-several=false]") !== null;
+  const crop = byId("crop");
+  if (crop !== null && chosen !== null) {
+    crop.value = chosen.id;
+    byId("cropped").textContent = nameOf(chosen);
+  }
   byId("limits").textContent = count === 0 ? "Draw a box first." : isLimited ? "Gray formats hold one target." : "";
 }
 

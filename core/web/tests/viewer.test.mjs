@@ -679,6 +679,7 @@ onViewer("a film and a report are made, and say where they are", async (page, { 
   await followedAll(page);
   await page.select("draw", "trail");
   await page.click("#crop");
+  assert.equal(await page.value(`document.querySelector("label:has(#crop)").textContent`), " cropped to target1");
   for (const [label, name] of [["Video (.mp4)", /\.mp4$/], ["Report (.html)", /\.html$/]]) {
     await page.value(`[...document.querySelectorAll("#files button")].find((one) => one.textContent === "${label}").click()`);
     await page.until(`${name}.test(document.querySelector("#made a")?.download)`, 120);

@@ -11,6 +11,7 @@ pub mod recording_options;
 mod replay;
 mod report;
 mod shell;
+mod steady;
 mod track;
 mod tracker_options;
 mod usage;

@@ -15,7 +15,7 @@ use smr_files::output::{Output, complain, print};
 use smr_files::signals;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::export::{FILM_ENDINGS, PixelsPerMetre, Plan};
-use smr_recordings::{Arrivals, BoundingBox, Frame, Sequence, misfit};
+use smr_recordings::{Arrivals, BoundingBox, Frame, Sequence, Target, misfit};
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -59,12 +59,14 @@ pub struct Track {
     /// The parts drawn in the video, separated by commas [default: box,name]
     #[arg(long, value_enum, value_name = "MARK", value_delimiter = ',')]
     draw: Vec<Mark>,
-    /// Cut the video to a part around the target; of several targets, around the first
+    /// Cut the video to a part around the target; of several targets, around the first, or around NAME
     ///
     /// The part is a square with three times the longer side of the first box, or as much of it as fits into the frame, and is enlarged by a whole
-    /// number until it has 480 pixels. The target is in its middle, except near the border of the frame.
-    #[arg(long)]
-    crop: bool,
+    /// number until it has 480 pixels. The target is in its middle, except near the border of the frame. So that the picture does not tremble with
+    /// the tracker, the target may be off the middle by a fiftieth of the longer side. While the target is lost, the part stays; within 10 frames it
+    /// moves to where the target is found again.
+    #[arg(long, value_name = "NAME", num_args = 0..=1, require_equals = true)]
+    crop: Option<Option<String>>,
     /// The ids of the targets in the viewer of `view`, which orders the video: they select the colors
     #[arg(long, hide = true, value_delimiter = ',')]
     ids: Vec<usize>,
@@ -104,7 +106,7 @@ impl Track {
         let method = self.method.or_else(|| self.tracker.method());
         let variant = self.tracker.variant(method.unwrap_or(MethodKind::Robust))?;
         let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence, true)?;
-        let begun = targets.first().and_then(|target| target.starts.first()?.1);
+        let cropped = self.cropped(&targets)?;
         let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
         let format = self.format(targets.len())?;
         let about = About {
@@ -118,7 +120,7 @@ impl Track {
         ensure!(films.len() < 2, "--out and --video both name a video: expected one of them");
         let film = films.first().map(|&(_, film)| film);
         ensure!(
-            film.is_some() || (self.draw.is_empty() && !self.crop),
+            film.is_some() || (self.draw.is_empty() && self.crop.is_none()),
             "--draw and --crop are of a video: expected --video FILE, too"
         );
         ensure!(
@@ -143,7 +145,8 @@ impl Track {
         if let Some(misfit) = length.and_then(misfit) {
             complain(&format!("warning: {}: {misfit}", sequence.name));
         }
-        let film = film.map(|out| Ok::<_, Error>((out.clone(), self.film(out, &mut sequence, begun)?))).transpose()?;
+        let film =
+            film.map(|out| Ok::<_, Error>((out.clone(), self.film(out, &mut sequence, cropped)?))).transpose()?;
         let sequence = if film.is_some() { sequence.in_color(self.recording.ffmpeg_patience()) } else { sequence };
         lines.write(&printer.head())?;
         let last = sequence.first - 1;
@@ -193,13 +196,26 @@ impl Track {
         progress::bar(&name, sequence.length.or_else(|| whole().map(part)))
     }
 
-    fn film(&self, out: &Path, sequence: &mut Sequence, begun: Option<BoundingBox>) -> Result<AnswersVideo> {
+    /// Returns the index and the first box of the target that the video is cropped to, if it is. Errors: there is no such target.
+    fn cropped(&self, targets: &[Target]) -> Result<Option<(usize, BoundingBox)>> {
+        let Some(wanted) = &self.crop else { return Ok(None) };
+        let is_it = |target: &Target| wanted.is_none() || target.name == *wanted;
+        let Some(at) = targets.iter().position(is_it) else {
+            let names: Vec<_> = targets.iter().filter_map(|target| target.name.as_deref()).collect();
+            let expected =
+                if names.is_empty() { "--crop alone, as no target has a name".to_owned() } else { names.join(", ") };
+            bail!("--crop={}: there is no such target: expected {expected}", wanted.as_deref().unwrap_or_default());
+        };
+        Ok(targets[at].starts.first().and_then(|start| Some((at, start.1?))))
+    }
+
+    fn film(&self, out: &Path, sequence: &mut Sequence, cropped: Option<(usize, BoundingBox)>) -> Result<AnswersVideo> {
         let (patience, number) = (self.recording.ffmpeg_patience(), sequence.first);
         let sound = sequence.source.video().map(Path::to_owned);
         let is_cut = self.recording.frames().is_some_and(|part| part.last().is_some());
         let plan = Plan { sound, is_cut, number, patience };
         let marks = if self.draw.is_empty() { vec![Mark::Box, Mark::Name] } else { self.draw.clone() };
-        let look = Look { marks, cropped: begun.filter(|_| self.crop) };
+        let look = Look { marks, cropped };
         AnswersVideo::create(out, plan, sequence.truth.take().unwrap_or_default(), &self.ids, look)
     }
 }

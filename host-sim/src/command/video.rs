@@ -1,5 +1,6 @@
 //! Video with the trackers' answers drawn over the frames.
 
+use super::steady::Steady;
 use anyhow::Result;
 use smr_core::State;
 use smr_evaluation::{MethodAnswer, name_of};
@@ -24,13 +25,11 @@ pub enum Mark {
 
 /// Frames through which a trail is drawn, as in the viewer.
 const TRAIL: usize = 75;
-/// Side of a cropped frame, in longer sides of the first box.
-const AROUND: f64 = 3.0;
 
-/// The marks of a video, and the first box of the target that it is cropped to, if it is.
+/// The marks of a video, and the index and first box of the target that it is cropped to, if it is.
 pub struct Look {
     pub marks: Vec<Mark>,
-    pub cropped: Option<BoundingBox>,
+    pub cropped: Option<(usize, BoundingBox)>,
 }
 
 pub struct AnswersVideo {
@@ -42,7 +41,9 @@ pub struct AnswersVideo {
     lasts: Vec<Option<BoundingBox>>,
     /// Last centres of each target's box.
     trails: Vec<VecDeque<(f64, f64)>>,
-    look: Look,
+    marks: Vec<Mark>,
+    /// The part that is shown, and the index of the target that it is around.
+    part: Option<(usize, Steady)>,
 }
 
 pub struct Shown<'a> {
@@ -56,11 +57,12 @@ impl AnswersVideo {
     pub fn create(out: &Path, plan: Plan, truth: Vec<Option<BoundingBox>>, ids: &[usize], look: Look) -> Result<Self> {
         let film = export::VideoWriter::create(out, plan)?;
         let (truth, ids) = (truth.into_iter(), ids.to_vec());
-        Ok(Self { film, truth, ids, lasts: Vec::new(), trails: Vec::new(), look })
+        let part = look.cropped.map(|(target, first)| (target, Steady::new(&first)));
+        Ok(Self { film, truth, ids, lasts: Vec::new(), trails: Vec::new(), marks: look.marks, part })
     }
 
     fn shows(&self, mark: Mark) -> bool {
-        self.look.marks.contains(&mark)
+        self.marks.contains(&mark)
     }
 
     /// Draws the ground truth in white, and each target's box in the target's color: dashed while it is not tracking.
@@ -69,11 +71,10 @@ impl AnswersVideo {
         let (number, moment) = (frame.number, frame.moment);
         let mut overlay = Overlay::new(&frame.color.unwrap_or_else(|| (&frame.gray).into()))?;
         self.follow(targets);
-        if let Some(first) = &self.look.cropped {
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
-            let side = (first.width.max(first.height) * AROUND).ceil() as u32;
-            let seen = self.lasts.first().copied().flatten().unwrap_or(*first);
-            overlay = overlay.part(seen.centre(), side)?;
+        if let Some((target, part)) = &mut self.part {
+            let report = targets.get(*target).and_then(|shown| shown.report);
+            let middle = part.next(report.and_then(|report| report.target).as_ref());
+            overlay = overlay.part(middle, part.side())?;
         }
         if let Some(truth) = self.truth.next().flatten().filter(|_| self.shows(Mark::Box)) {
             overlay.outline(&truth, WHITE, false);

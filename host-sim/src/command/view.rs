@@ -3,7 +3,7 @@
 use super::paths::Places;
 use super::tracker_options::{Pair, TrackerOptions};
 use super::{Outcome, say, shell, usage, whole};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Error, Result, bail, ensure};
 use clap::{CommandFactory, Parser, ValueEnum};
 use serde_json::{Map, Value};
 use smr_core::robust::{self, Small, Workspace};
@@ -14,7 +14,7 @@ use smr_files::output::complain;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::export::{FILM_ENDINGS, PixelsPerMetre};
 use smr_pages::viewer::{
-    Camera, Followed, Growing, Job, Length, Lock, Made, Requests, Server, Session, Source, Target, Viewer, Work,
+    Camera, Followed, Growing, Job, Length, Lock, Look, Made, Requests, Server, Session, Source, Target, Viewer, Work,
     check_inside, plain,
 };
 use smr_recordings::annotations::{self, Labelled};
@@ -339,7 +339,7 @@ impl Requests for Desk {
         Ok((file(&viewer.name, &so_far, ending), text.into_bytes()))
     }
 
-    fn made(&self, viewer: &Viewer, ending: &str, look: Vec<String>) -> Result<Job> {
+    fn made(&self, viewer: &Viewer, ending: &str, look: Look) -> Result<Job> {
         let Viewer { name, source, followed, .. } = viewer;
         let is_kept = source.live().is_none();
         ensure!(is_kept, "the frames of a camera are not kept: record it with ffmpeg, and view the file");
@@ -360,7 +360,7 @@ impl Requests for Desk {
             inits(&targets),
             vec!["--method".into(), kind.name().into()],
             typed(&options),
-            look.into_iter().map(OsString::from).collect(),
+            shown(&targets, look)?,
             out.iter().map(OsString::from).collect(),
         ]
         .concat();
@@ -381,6 +381,17 @@ impl Requests for Desk {
 fn file(name: &str, so_far: &str, ending: &str) -> String {
     let name = plain(name);
     format!("{}{so_far}.{ending}", if name.is_empty() { "boxes" } else { &name })
+}
+
+/// Returns the options of `track` for the look of a video. Errors: the target that it is cropped to has no box.
+fn shown(targets: &[Target], Look { draw, crop }: Look) -> Result<Vec<OsString>> {
+    let draw = draw.map(|marks| format!("--draw={marks}"));
+    let cropped = |id| {
+        let target = targets.iter().find(|target| target.id == id);
+        let Target { name, .. } = target.context("crop: this target has no box: expected one that has")?;
+        Ok::<_, Error>(if targets.len() > 1 { format!("--crop={name}") } else { "--crop".to_owned() })
+    };
+    Ok(draw.into_iter().chain(crop.map(cropped).transpose()?).map(OsString::from).collect())
 }
 
 fn inits(targets: &[Target]) -> Vec<OsString> {

@@ -33,7 +33,7 @@ pub use camera::Camera;
 pub use model::{Length, Lock, Target, check_inside};
 pub use ordered_files::{Job, Made};
 pub use recording::Growing;
-pub use routes::{Requests, Viewer, plain};
+pub use routes::{Look, Requests, Viewer, plain};
 pub use server::Server;
 pub use session::{Session, Work};
 pub use source::{Known, LiveState, Source};

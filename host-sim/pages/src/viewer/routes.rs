@@ -37,11 +37,19 @@ pub trait Requests: Send + Sync {
     /// Returns the name and the content of a file with the boxes of all targets.
     fn boxes(&self, viewer: &Viewer, format: &str) -> Result<(String, Vec<u8>)>;
 
-    /// Returns the command line that writes a video with boxes (`mp4`, ...), with the options `look` of `host-sim track`, or
-    /// the report (`html`).
-    fn made(&self, viewer: &Viewer, ending: &str, look: Vec<String>) -> Result<Job>;
+    /// Returns the command line that writes a video with boxes (`mp4`, ...) that has this look, or the report (`html`).
+    fn made(&self, viewer: &Viewer, ending: &str, look: Look) -> Result<Job>;
 
     fn firmware(&self, variant: &Variant) -> String;
+}
+
+/// The look of a video.
+#[derive(Default)]
+pub struct Look {
+    /// The marks of `--draw`.
+    pub draw: Option<String>,
+    /// The id of the target that the video is cropped to.
+    pub crop: Option<u32>,
 }
 
 pub struct Viewer {
@@ -159,12 +167,9 @@ impl Viewer {
                 if !self.films.contains(&&*ending) {
                     bail!("no video can be made as {ending:?}: expected one of {}", self.films.join(", "));
                 }
-                let (draw, is_cropped): (Option<String>, Option<bool>) = (field(body, "draw")?, field(body, "crop")?);
-                let crop = is_cropped.unwrap_or(false).then(|| "--crop".to_owned());
-                let look = draw.map(|marks| format!("--draw={marks}")).into_iter().chain(crop).collect();
-                self.make(&ending, look)?
+                self.make(&ending, Look { draw: field(body, "draw")?, crop: field(body, "crop")? })?
             }
-            (true, "report", "") => self.make("html", Vec::new())?,
+            (true, "report", "") => self.make("html", Look::default())?,
             (true, "recording", "") => self.write_recording()?,
             (true, "checked", "") => {
                 let frames: Spans = field(body, "frames")?;
@@ -370,7 +375,7 @@ impl Viewer {
         Ok(json_reply(&json!(self.made.of(id))))
     }
 
-    fn make(&self, ending: &str, look: Vec<String>) -> Result<Reply> {
+    fn make(&self, ending: &str, look: Look) -> Result<Reply> {
         let job = self.requests.made(self, ending, look)?;
         let [followed, told] = [(); 2].map(|()| Arc::clone(&self.followed));
         let say = move |note| told.tell(|log| log.say(note));

@@ -18,7 +18,7 @@ impl Requests for Nothing {
         bail!("{format} is no format")
     }
 
-    fn made(&self, _: &Viewer, ending: &str, _: Vec<String>) -> Result<Job> {
+    fn made(&self, _: &Viewer, ending: &str, _: Look) -> Result<Job> {
         bail!("{ending} is no ending")
     }
 
