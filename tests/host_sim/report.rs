@@ -288,7 +288,9 @@ const LOOKS: &str = r##"
   const { data } = stage.getContext("2d").getImageData(0, 0, stage.width, stage.height);
   const pixels = new Set();
   for (let at = 0; at < data.length; at += 4) pixels.add(`rgb(${data[at]}, ${data[at + 1]}, ${data[at + 2]})`);
-  const onFrame = [...document.querySelectorAll("#switches .sample")].map((node) => getComputedStyle(node).getPropertyValue("--c"));
+  const onDark = (node) => { Object.assign(node.style, { colorScheme: "dark", color: "var(--line)" }); return getComputedStyle(node).color; };
+  const onFrame = [...document.querySelectorAll("#switches .sample")].map(onDark);
+  is("on frames, too, each has a color of its own", new Set(onFrame).size, 21);
   is("boxes of all of them: " + onFrame, onFrame.filter((color) => !pixels.has(color)), "");
 "##;
 

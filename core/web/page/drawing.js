@@ -10,6 +10,7 @@ import { FRAMES, chartsOf, drawFigures } from "./figures.js";
 import { Graph } from "./graph.js";
 import { drawList } from "./list.js";
 import { drawLine, movementOf, scaleOf } from "./movement.js";
+import { colorOf } from "./palette.js";
 import { Preview } from "./preview.js";
 import { drawStage } from "./stage.js";
 import { answers, app, boxIn, boxOf, say, size, targetOf, timeOf, whole, write } from "./state.js";
@@ -18,7 +19,6 @@ import { Timeline } from "./timeline.js";
 const READINGS_MS = 80;
 const EVENTS_MS = 400;
 const LOADING_MS = 200; // a shorter wait is not worth a word
-const NEW_COLOR = "#fff";
 const CURVE = 48; // height of a chart in pixels: all stand beside the picture
 const TRAIL = 75; // the last frames through which the path of a target is drawn
 
@@ -71,21 +71,21 @@ function drawFrame() {
   const view = app.viewport.seen;
   const { chosen } = app.edits;
   const inOrder = [...app.edits.targets].sort((one, other) => (one === chosen) - (other === chosen));
-  const color = (app.pulled === null ? chosen : targetOf(app.pulled.id))?.color ?? NEW_COLOR;
+  const drawing = app.pulled === null ? chosen?.id : app.pulled.id;
   if (app.kind === "recorded" && view.width < app.recording.width) {
     detail.want(shown, view, app.recording);
   }
   const under = (context, placed) => {
     detail.draw(context, shown, placed);
     if (byId("trail").checked) {
-      app.edits.targets.forEach((target) => drawTrail(context, shown, { boxAt: trailOf(target), placed, color: target.color }));
+      app.edits.targets.forEach((target) => drawTrail(context, shown, { boxAt: trailOf(target), placed, color: colorOf(target.id) }));
     }
     const line = app.measured?.drawn ?? app.measured?.line;
     if (line) {
       drawLine(context, placed(line));
     }
   };
-  drawStage(byId("stage"), { image, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed: app.proposed, color });
+  drawStage(byId("stage"), { image, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed: app.proposed, color: drawing ? colorOf(drawing) : undefined });
   app.truth.look();
 }
 
@@ -98,7 +98,7 @@ function drawn(target) {
   }
   const { box, state } = found;
   const words = state === "tracking" ? nameOf(target) : `${nameOf(target)}: ${state}`;
-  return [{ box, color: target.color, words, isChosen, isLast: isUnseen(state), hasHandles: isChosen }];
+  return [{ box, color: colorOf(target.id), words, isChosen, isLast: isUnseen(state), hasHandles: isChosen }];
 }
 
 const isUnseen = (state) => state === "lost" || state === "hidden";
@@ -159,7 +159,7 @@ function drawReadings() {
   drawTargets(chosen);
   timeline.draw({
     first, last, frame: shown ?? first, followed, timeOf,
-    strips: edits.targets.map((target) => ({ name: nameOf(target), color: target.color, isChosen: target === chosen, states: (number) => answers.state(target.id, number) })),
+    strips: edits.targets.map((target) => ({ name: nameOf(target), color: colorOf(target.id), isChosen: target === chosen, states: (number) => answers.state(target.id, number) })),
     marks: chosen === null ? [] : events(chosen),
     truth: chosen && app.truth.marks(chosen),
   });

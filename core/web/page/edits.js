@@ -1,6 +1,5 @@
 // The targets as edited by the user: their names, and the boxes that they are locked on. Each change can be undone.
 
-import { colorOf } from "./colors.js";
 import { minus, plus, rangeOf } from "./ranges.js";
 
 const MAX_UNDONE = 500;
@@ -47,7 +46,7 @@ export function toldOf(target, checked = []) {
 
 export class Edits {
   /**
-   * All targets: { id, name, color, locks: [{ number, box, byHand }], hidden }, locks by ascending frame number. A null
+   * All targets: { id, name, locks: [{ number, box, byHand }], hidden }, locks by ascending frame number. A null
    * box means that the target is gone until its next box; `byHand`, that it goes to its next box on a line. `hidden` are
    * ranges, see ranges.js, in which something covers the target. The objects are replaced, never changed.
    */
@@ -85,7 +84,7 @@ export class Edits {
   load(targets, ids = 0) {
     [this.#past, this.#future, this.#steps] = [[], [], []];
     const isAdding = this.targets.length > 0 && this.#chosen === null;
-    this.targets = targets.map(({ checked, ...target }) => ({ hidden: [], ...defined(target), locks: inOrder(target.locks), name: isPlain(target) ? "" : target.name, color: colorOf(target.id) }));
+    this.targets = targets.map(({ checked, ...target }) => ({ hidden: [], ...defined(target), locks: inOrder(target.locks), name: isPlain(target) ? "" : target.name }));
     this.checked = new Map(targets.map(({ id, checked }) => [id, checked ?? []]));
     for (let twice = this.#namedTwice(); twice !== undefined; twice = this.#namedTwice()) {
       twice.name = "";
@@ -203,7 +202,7 @@ export class Edits {
     do {
       this.ids += 1;
     } while (this.targets.some((one) => nameOf(one) === `target${this.ids}`));
-    return { id: this.ids, name: "", color: colorOf(this.ids), locks: [], hidden: [] };
+    return { id: this.ids, name: "", locks: [], hidden: [] };
   }
 
   // The frames in which a target may have other boxes than before must be looked at again, except those in `checked`,

@@ -1,8 +1,9 @@
 // The list of targets, in which the user chooses, renames and removes them.
 
 import { htmlNode } from "./dom.js";
+import { colorOf } from "./palette.js";
 
-/** Fills the element `place` with `targets` { id, name, color }; the functions are called on the user's actions. */
+/** Fills the element `place` with `targets` { id, name }; the functions are called on the user's actions. */
 export function drawList(place, { targets, chosen, choose, remove, rename }) {
   const shown = targets.map(({ id, name }) => `${id}${name}`).join() + chosen?.id;
   if (place.dataset.shown === shown) {
@@ -24,7 +25,7 @@ function line(target, isChosen, { choose, remove, rename }) {
   const button = htmlNode("button", { type: "button", "aria-label": `Remove target ${target.name}`, title: `Remove ${target.name} with all its boxes` }, "✕");
   button.addEventListener("click", () => remove(target));
   const item = htmlNode("li", isChosen ? { class: "chosen" } : {}, htmlNode("label", { class: "of" }, radio), nameField(target, rename), htmlNode("span", { class: "now" }), button);
-  item.style.setProperty("--of", target.color);
+  item.style.setProperty("--of", colorOf(target.id));
   return item;
 }
 

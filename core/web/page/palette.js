@@ -1,38 +1,38 @@
-// Colors of the page's CSS, for canvases. They are read again after a switch between light and dark.
+// Colors of colors.css, for canvases. They are read again after a switch between light and dark.
 
-const NAMES = ["ink", "faint", "rule", "panel", "tracking", "leaving", "uncertain", "lost", "gone"];
+import { htmlNode } from "./dom.js";
 
-let colors = null;
-const looks = new Map();
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-  colors = null;
-  looks.clear();
-});
+const TARGETS = 8;
+const NAMES = "ink faint rule panel focus tracking leaving uncertain lost gone".split(" ");
 
-export function palette() {
-  colors ??= read();
-  return colors;
-}
+const known = new Map();
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => known.clear());
 
-function read() {
-  const page = getComputedStyle(document.documentElement);
-  return Object.fromEntries(NAMES.map((name) => [name, page.getPropertyValue(`--${name}`).trim()]));
-}
+/** Returns the colors of the page by name or, with the scheme "dark", those on frames. */
+export const palette = (scheme = "") => kept(scheme, () => Object.fromEntries(NAMES.map((name) => [name, read(name, scheme).color])));
+
+/** Returns the color of the target `id`. */
+export const colorOf = (id) => kept(id, () => read(`target${((id - 1) % TARGETS) + 1}`).color);
 
 /** Reads the CSS class `look-NAME`: returns its colors on a frame and on the page, and its dashes (pixels). */
-export function lookOf(name) {
-  if (!looks.has(name)) {
-    looks.set(name, readLook(name));
+export const lookOf = (name) => kept(`look-${name}`, (look) => {
+  const { color: onPage, dashes } = read("line", "", look);
+  return { onFrame: read("line", "dark", look).color, onPage, dash: dashes === "none" ? [] : dashes.split(" ").map(Number) };
+});
+
+function kept(key, read) {
+  if (!known.has(key)) {
+    known.set(key, read(key));
   }
-  return looks.get(name);
+  return known.get(key);
 }
 
-function readLook(name) {
-  const probe = document.createElement("i");
-  probe.className = `look-${name}`;
+function read(name, scheme = "", look = "") {
+  const probe = htmlNode("i", { class: look });
+  Object.assign(probe.style, { color: `var(--${name})`, colorScheme: scheme });
   document.body.append(probe);
   const style = getComputedStyle(probe);
-  const [onFrame, onPage, dashes] = ["--c", "--line", "--dashes"].map((name) => style.getPropertyValue(name).trim());
+  const read = { color: style.color, dashes: style.getPropertyValue("--dashes").trim() };
   probe.remove();
-  return { onFrame, onPage, dash: dashes === "none" ? [] : dashes.split(" ").map(Number) };
+  return read;
 }

@@ -110,7 +110,7 @@ function handles(context, [x, y, width, height], color) {
 
 /** Returns the text for the corner: the frame number and each tracker's state. `states` are pairs [title, state]. */
 export function stateWords(number, states) {
-  const colors = { ...palette(), tracking: "#fff" };
+  const colors = { ...palette("dark"), tracking: "#fff" };
   const of = ([title, state]) => [{ text: `  ${title}: `, color: "#fff" }, { text: state, color: colors[state] ?? "#fff" }];
   return [{ text: String(number), color: "#fff" }, ...states.flatMap(of)];
 }

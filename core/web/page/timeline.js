@@ -292,7 +292,7 @@ function drawHead(context, x, height) {
 }
 
 function drawFocus(context, width, height) {
-  context.strokeStyle = getComputedStyle(context.canvas).getPropertyValue("--focus") || palette().ink;
+  context.strokeStyle = palette().focus;
   context.lineWidth = 2;
   context.strokeRect(1, 1, width - 2, height - 2);
 }

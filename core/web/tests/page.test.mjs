@@ -285,10 +285,14 @@ for (const scheme of ["light", "dark"]) {
 const COLORS = `["look-robust", "look-paper"].map((name) => {
   const node = document.body.appendChild(document.createElement("i"));
   node.className = name;
-  const { color, ...style } = Object.fromEntries(["--c", "--line", "--dashes", "--tracking", "--leaving", "--lost", "--paper", "--ink", "--panel"]
-    .map((name) => [name, getComputedStyle(node).getPropertyValue(name).trim()]));
+  const style = getComputedStyle(node);
+  const colors = ["--line", "--tracking", "--leaving", "--lost", "--paper", "--ink", "--panel"].map((name) => {
+    node.style.color = \`var(\${name})\`;
+    return style.color;
+  });
+  const told = [style.getPropertyValue("--dashes").trim(), ...colors];
   node.remove();
-  return style;
+  return told;
 })`;
 
 test("a refused camera has one clear line, and the built-in recording stays", { skip: why ?? false }, async () => {

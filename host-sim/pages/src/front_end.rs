@@ -10,8 +10,11 @@ const MODULES: [&[(&str, &str)]; 2] = include!(concat!(env!("OUT_DIR"), "/module
 const VIEWER: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/viewer.html"));
 /// A glossary of the terms on the pages, as the items of an HTML list.
 pub const WORDS: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/words.html"));
-pub const STYLES: [&str; 2] =
-    [include_str!("report/base.css"), include_str!(concat!(env!("SMR_FRONT_END"), "/page.css"))];
+pub const STYLES: [&str; 3] = [
+    include_str!(concat!(env!("SMR_FRONT_END"), "/colors.css")),
+    include_str!("report/base.css"),
+    include_str!(concat!(env!("SMR_FRONT_END"), "/page.css")),
+];
 const VIEWER_STYLE: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/viewer.css"));
 
 /// Returns the HTML page of `host-sim view`, with `scripts` as its last elements.

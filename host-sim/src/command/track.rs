@@ -50,7 +50,7 @@ pub struct Track {
     /// Also draw the boxes over the frames: .mp4, .mov, .mkv or .webm (they need ffmpeg), or a new folder for PNG pictures
     ///
     /// Each target's box has the target's color in `view`, and is dashed while the target is uncertain, leaving or, at its last position,
-    /// lost. Ground truth is white. The text in the picture is the frame number and, of a single target, the state and the confidence in
+    /// lost. Ground truth is green. The text in the picture is the frame number and, of a single target, the state and the confidence in
     /// hundredths; names and states of several targets stand at their boxes; □ stands for letters that are not Latin, Greek, Cyrillic, Armenian or Georgian. The video keeps the recording's colors and, if the recording is a video,
     /// frame times and sound. On a terminal host-sim prints only when a target is lost or found. If the reader of the printed boxes ends
     /// (`| head`), host-sim still finishes the video.

@@ -4,7 +4,7 @@ use super::steady::Steady;
 use anyhow::Result;
 use smr_core::State;
 use smr_evaluation::{MethodAnswer, name_of};
-use smr_pages::colors::{Color, WHITE, color_of, of_target};
+use smr_pages::colors::{Color, TRUTH, WHITE, color_of, of_target};
 use smr_pages::export::{self, Overlay, Plan};
 use smr_recordings::{BoundingBox, Frame};
 use std::collections::VecDeque;
@@ -65,7 +65,7 @@ impl AnswersVideo {
         self.marks.contains(&mark)
     }
 
-    /// Draws the ground truth in white, and each target's box in the target's color: dashed while it is not tracking.
+    /// Draws the ground truth in green, and each target's box in the target's color: dashed while it is not tracking.
     /// The state of a single target stands beside the frame number, those of several at their boxes.
     pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
         let (number, moment) = (frame.number, frame.moment);
@@ -77,7 +77,7 @@ impl AnswersVideo {
             overlay = overlay.part(middle, part.side())?;
         }
         if let Some(truth) = self.truth.next().flatten().filter(|_| self.shows(Mark::Box)) {
-            overlay.outline(&truth, WHITE, false);
+            overlay.outline(&truth, TRUTH, false);
         }
         self.draw(&mut overlay, targets)?;
         let (words, color) = match targets {
@@ -140,6 +140,5 @@ impl AnswersVideo {
 fn described(report: &MethodAnswer, name: Option<&str>) -> (String, Color) {
     let name = name.map_or(String::new(), |name| format!("{name} "));
     let confidence = report.evidence.map(|evidence| format!(" {:.0}", evidence.confidence * 100.0));
-    let color = if report.state == State::Tracking { WHITE } else { color_of(report.state) };
-    (format!(" {name}{}{}", name_of(report.state), confidence.unwrap_or_default()), color)
+    (format!(" {name}{}{}", name_of(report.state), confidence.unwrap_or_default()), color_of(report.state))
 }

@@ -1,7 +1,7 @@
 //! The entrants of a report: methods that ran, then other trackers' result files, with titles, colors and dashes.
 
 use super::film::FilmedRecording;
-use crate::colors::{Color, TRUTH};
+use crate::colors::{Color, Shades, css};
 use serde::Serialize;
 use smr_evaluation::MethodKind;
 use smr_recordings::BoundingBox;
@@ -62,68 +62,43 @@ pub(super) fn place_files(films: &mut [FilmedRecording]) {
 }
 
 pub(super) const TRUTH_LOOK: usize = LOOKS - 1;
-const LOOKS: usize = METHODS.len() + FILES.len() + 1;
+const LOOKS: usize = METHODS.len() + css::FILES.len() + 1;
 
 // Indices of a method's titles in `METHODS`: full, short, and within a sentence.
 pub(super) const TITLE: usize = 0;
 const SHORT: usize = 1;
 pub(super) const SENTENCE: usize = 2;
 
-/// Color and titles (full, short, within a sentence) of each method. SMR is red and SAD blue, as in the paper. The
-/// colors must be distinct from each other on any frame, and from the colors of states.
-const METHODS: [(MethodKind, Color, [&str; 3]); 6] = [
-    (MethodKind::Robust, [255, 130, 220], ["Robust tracker", "Robust", "the robust tracker"]),
-    (MethodKind::Paper, [255, 64, 64], ["Paper's tracker (SMR, 2013)", "Paper", "the paper tracker of 2013"]),
-    (MethodKind::Sad, [64, 140, 255], ["SAD"; 3]),
-    (MethodKind::Ssd, [0, 205, 220], ["SSD"; 3]),
-    (MethodKind::Ncc, [200, 225, 90], ["NCC"; 3]),
-    (MethodKind::Lk, [235, 235, 235], ["LK"; 3]),
-];
-
-/// Colors of result files. Each was chosen as different as possible from all before it.
-const FILES: [Color; 14] = [
-    [165, 0, 240],
-    [150, 90, 30],
-    [195, 0, 120],
-    [120, 90, 165],
-    [255, 0, 255],
-    [255, 150, 60],
-    [75, 120, 15],
-    [90, 75, 255],
-    [180, 120, 255],
-    [0, 120, 135],
-    [255, 60, 165],
-    [195, 90, 105],
-    [150, 165, 240],
-    [15, 105, 195],
+/// Color and titles (full, short, within a sentence) of each method.
+const METHODS: [(MethodKind, Shades, [&str; 3]); 6] = [
+    (MethodKind::Robust, css::ROBUST, ["Robust tracker", "Robust", "the robust tracker"]),
+    (MethodKind::Paper, css::SMR, ["Paper's tracker (SMR, 2013)", "Paper", "the paper tracker of 2013"]),
+    (MethodKind::Sad, css::SAD, ["SAD"; 3]),
+    (MethodKind::Ssd, css::SSD, ["SSD"; 3]),
+    (MethodKind::Ncc, css::NCC, ["NCC"; 3]),
+    (MethodKind::Lk, css::LK, ["LK"; 3]),
 ];
 
 /// Lengths of dashes and gaps in screen pixels. Patterns of short dashes are reserved for lost targets and runners-up.
 const DASHES: [&[u8]; 5] = [&[], &[14, 5], &[12, 4, 2, 4], &[22, 4, 8, 4], &[12, 3, 2, 3, 2, 3]];
 
-/// Background of plots in the light and in the dark theme, as in base.css.
-const PANELS: [Color; 2] = [[244, 246, 247], [30, 34, 38]];
-/// Minimum contrast ratio between a curve and its background, as WCAG 2 requires for graphics.
-const CONTRAST: f64 = 3.0;
-
 #[derive(Serialize)]
 pub(super) struct Look {
-    color: Color,
-    /// `color`, darkened or lightened as little as the contrast on a light or a dark page requires.
-    on_light: Color,
-    on_dark: Color,
+    /// Name of the color in colors.css.
+    color: &'static str,
     dashes: &'static [u8],
 }
 
+fn colors() -> impl Iterator<Item = &'static Shades> {
+    METHODS.iter().map(|(_, color, _)| color).chain(css::FILES).chain([&css::TRUTH])
+}
+
 pub(super) fn looks() -> Vec<Look> {
-    let colors = METHODS.map(|(_, color, _)| color).into_iter().chain(FILES).chain([TRUTH]);
-    let look = |(place, color): (usize, Color)| Look {
-        color,
-        on_light: seen(color, [0; 3], PANELS[0]),
-        on_dark: seen(color, [255; 3], PANELS[1]),
+    let look = |(place, color): (usize, &Shades)| Look {
+        color: color.name,
         dashes: if place == TRUTH_LOOK { &[] } else { DASHES[place % DASHES.len()] },
     };
-    colors.enumerate().map(look).collect()
+    colors().enumerate().map(look).collect()
 }
 
 fn look_of_method(kind: MethodKind) -> usize {
@@ -131,62 +106,31 @@ fn look_of_method(kind: MethodKind) -> usize {
 }
 
 pub(super) fn color_of_method(kind: MethodKind) -> Color {
-    METHODS[look_of_method(kind)].1
+    METHODS[look_of_method(kind)].1.dark
 }
 
 const fn look_of_file(index: usize) -> usize {
-    METHODS.len() + index % FILES.len()
-}
-
-/// Blends `color` toward `end`, just far enough for the contrast `CONTRAST` with the background `panel`.
-fn seen(color: Color, end: Color, panel: Color) -> Color {
-    let nearer = |percent: u32| {
-        let mixed = |at: usize| (u32::from(color[at]) * (100 - percent) + u32::from(end[at]) * percent) / 100;
-        [0, 1, 2].map(|at| u8::try_from(mixed(at)).unwrap_or(u8::MAX))
-    };
-    (0..=100).map(nearer).find(|color| contrast(*color, panel) >= CONTRAST).unwrap_or(end)
-}
-
-/// Returns the contrast ratio of WCAG 2: 1 for equal colors, 21 for black and white.
-fn contrast(one: Color, other: Color) -> f64 {
-    let (one, other) = (luminance(one), luminance(other));
-    (one.max(other) + 0.05) / (one.min(other) + 0.05)
-}
-
-fn luminance(color: Color) -> f64 {
-    let linear = color.map(|channel| {
-        let channel = f64::from(channel) / 255.0;
-        if channel <= 0.040_45 { channel / 12.92 } else { ((channel + 0.055) / 1.055).powf(2.4) }
-    });
-    0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+    METHODS.len() + index % css::FILES.len()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::colors::tests::is_seen;
 
     #[test]
     fn twenty_entrants_look_different_and_are_seen_in_light_and_dark() {
-        let looks = looks();
+        let (looks, colors): (_, Vec<_>) = (looks(), colors().collect());
         assert_eq!(looks.len(), 21, "and the ground truth");
-        let colors: [fn(&Look) -> Color; 3] = [|look| look.color, |look| look.on_light, |look| look.on_dark];
-        for color in colors {
-            let all: Vec<Color> = looks.iter().map(color).collect();
+        for shade in [|color: &Shades| color.light, |color: &Shades| color.dark] {
+            let all: Vec<Color> = colors.iter().map(|color| shade(color)).collect();
             for (at, one) in all.iter().enumerate() {
                 let apart = |other: &Color| one.iter().zip(other).map(|(a, b)| u32::from(a.abs_diff(*b))).sum::<u32>();
                 let near = all[..at].iter().map(apart).min();
                 assert!(near.is_none_or(|near| near >= 40), "{one:?} of {at} is {near:?} from one before");
             }
         }
-        for look in &looks {
-            assert!(contrast(look.on_light, PANELS[0]) >= CONTRAST && contrast(look.on_dark, PANELS[1]) >= CONTRAST);
-        }
+        assert!(colors.iter().all(|color| is_seen(color)));
         assert!(looks.windows(2).take(19).all(|pair| pair[0].dashes != pair[1].dashes));
-    }
-
-    #[test]
-    fn contrast_is_that_of_wcag() {
-        assert_eq!((contrast([0; 3], [255; 3]), contrast([7; 3], [7; 3])), (21.0, 1.0));
-        assert!((contrast([119; 3], [255; 3]) - 4.48).abs() < 0.01);
     }
 }

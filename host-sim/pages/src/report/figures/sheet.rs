@@ -1,7 +1,7 @@
 //! SVG elements of a figure: text, lines, frames with boxes, patches and plots.
 
 use super::frames::{METHODS, SAD, SMR, compared};
-use crate::colors::{Color, GRID, PAPER, TRUTH, WHITE};
+use crate::colors::{Color, TRUTH, WHITE, css};
 use crate::encode::{GOOD, data_uri, jpeg};
 use crate::report::difference;
 use crate::report::film::{FilmedRecording, Still};
@@ -58,7 +58,7 @@ impl Sheet {
     }
 
     pub fn svg(self, height: f64) -> String {
-        let (paper, marks) = (rgb(PAPER), self.0.join("\n"));
+        let (paper, marks) = (rgb(css::PAPER.dark), self.0.join("\n"));
         format!(
             r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:.0}" font-family="system-ui, sans-serif" font-size="14">
 <rect width="100%" height="100%" fill="{paper}"/>
@@ -146,7 +146,7 @@ impl Sheet {
         let plot = Plot { top, bottom: top + height, across, most };
         for value in (0..=4).map(|part| most * f64::from(part) / 4.0) {
             let y = plot.y(value);
-            self.line(&[(Plot::LEFT, y), (Plot::RIGHT, y)], GRID, DOTTED);
+            self.line(&[(Plot::LEFT, y), (Plot::RIGHT, y)], css::RULE.dark, DOTTED);
             self.words((Plot::LEFT - 8.0, y), "end", &format!("{value:.digits$}"), WHITE);
         }
         let step = nice((across.1 - across.0) / 7.0);
