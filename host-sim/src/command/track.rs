@@ -1,24 +1,27 @@
 //! `host-sim track`: prints the target's box in every frame.
 
+mod lines;
+mod pass;
+
+use self::lines::Lines;
+use self::pass::Pass;
+use super::Outcome;
 use super::events::Events;
 use super::paths::{Places, Taken, listed};
 use super::progress::{self, Bar};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::video::{AnswersVideo, Look, Mark, Shown};
-use super::{Outcome, is_closed_pipe};
+use super::video::{AnswersVideo, Look, Mark};
 use anyhow::{Context, Error, Result, bail, ensure};
-use smr_core::Quality;
 use smr_evaluation::{Follower, MethodKind};
 use smr_files::messages::choice_name;
-use smr_files::output::{Output, complain, print};
+use smr_files::output::{Output, complain};
 use smr_files::signals;
-use smr_pages::export::boxes::{About, Answer, Format, Printer};
+use smr_pages::export::boxes::{About, Format, Printer};
 use smr_pages::export::{FILM_ENDINGS, PixelsPerMetre, Plan};
-use smr_recordings::{Arrivals, BoundingBox, Frame, Sequence, Target, misfit};
-use std::io::{IsTerminal, Write, stderr, stdout};
+use smr_recordings::{BoundingBox, Sequence, Target, misfit};
+use std::io::{IsTerminal, stderr, stdout};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 #[derive(Debug, clap::Args)]
 pub struct Track {
@@ -84,9 +87,6 @@ pub struct Track {
 
 const FILM: Taken = Taken { endings: [&FILM_ENDINGS, &[]], is_folder: true };
 const BOXES: Taken = Taken { endings: [&Format::ENDINGS, &FILM_ENDINGS], is_folder: false };
-
-/// Warning about a target that is too similar to its surroundings.
-const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
 
 impl Track {
     /// Output file of the boxes, and the options that name a video, with their paths.
@@ -217,146 +217,5 @@ impl Track {
         let marks = if self.draw.is_empty() { vec![Mark::Box, Mark::Name] } else { self.draw.clone() };
         let look = Look { marks, cropped };
         AnswersVideo::create(out, plan, sequence.truth.take().unwrap_or_default(), &self.ids, look)
-    }
-}
-
-/// State of a run through a recording: all targets, and the outputs.
-struct Pass {
-    name: String,
-    targets: Vec<Follower>,
-    printer: Printer,
-    lines: Lines,
-    events: Option<Events>,
-    film: Option<(PathBuf, AnswersVideo)>,
-    bar: Bar,
-    live: Option<Arc<Arrivals>>,
-    drops: bool,
-    last: usize,
-}
-
-impl Pass {
-    fn frame(&mut self, frame: Frame) -> Result<()> {
-        let (number, time, gray) = (frame.number, frame.seconds, &frame.gray);
-        if self.live.as_ref().is_some_and(|live| live.dropped() > 0) && !self.drops {
-            self.drops = true;
-            self.warn("frames are dropped: they come faster than the target is followed (--resize 1/2 helps)");
-        }
-        let (mut shown, mut poor, mut happened) = (Vec::new(), Vec::new(), Vec::new());
-        for (at, target) in self.targets.iter_mut().enumerate() {
-            let is_due = target.next_start().is_some_and(|start| start <= number);
-            let report = target.step(number, gray).with_context(|| self.name.clone())?;
-            let locks = is_due && report.is_some();
-            let quality = target.quality().filter(|_| locks);
-            if quality.is_some_and(Quality::is_poor) {
-                poor.push(target.name.as_deref());
-            }
-            let name = target.name.as_deref();
-            let size = (gray.width, gray.height);
-            let answer = Answer { target: at, frame: number, time, size, report: report.as_ref(), quality };
-            self.lines.write(&self.printer.line(&answer)?)?;
-            let told = self.events.as_mut().zip(report.as_ref());
-            if let Some(event) = told.and_then(|(events, report)| events.of(at, locks, number, time, report.state)) {
-                happened.push(name.map_or_else(|| event.clone(), |name| format!("{name}: {event}")));
-            }
-            shown.push(Shown { name, report });
-        }
-        self.film.as_mut().map_or(Ok(()), |(_, film)| film.frame(frame, &shown))?;
-        for line in happened {
-            self.bar.suspend(|| print(|out| writeln!(out, "{line}")))?;
-        }
-        if let Some(warning) = warning(&poor) {
-            self.warn(&warning);
-        }
-        self.bar.inc();
-        self.last = number;
-        Ok(())
-    }
-
-    fn warn(&self, what: &str) {
-        self.bar.suspend(|| complain(&format!("warning: {}: {what}", self.name)));
-    }
-
-    fn say_end(&self, live: &Arrivals) {
-        if let Some(reason) = live.ended() {
-            self.warn(&format!("it has ended: {reason}"));
-        }
-        let (name, dropped) = (&self.name, live.dropped());
-        let came = self.bar.done() + dropped as u64;
-        complain(&format!("{name}: {came} frames came, {dropped} of them were dropped"));
-    }
-
-    /// Errors: `--init` gives a box for a frame after the last frame of a recording that is not live.
-    fn finish(mut self, first: usize) -> Result<()> {
-        self.bar.clear();
-        let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, target.name.as_ref())));
-        if let Some(live) = &self.live {
-            self.say_end(live);
-        } else if let Some((frame, name)) = missing {
-            let name = name.map_or(String::new(), |name| format!(" for {name}"));
-            bail!("{}: there is no frame {frame}{name} (--init): expected {first} to {}", self.name, self.last);
-        }
-        self.lines.write(&self.printer.foot()?)?;
-        self.lines.settle()?;
-        if let Some((name, film)) = self.film {
-            if let Some(note) = film.finish()? {
-                complain(&format!("note: {note}"));
-            }
-            let written = format!("{}: {} frames", name.display(), self.bar.done());
-            match self.events {
-                Some(events) => print(|out| write!(out, "{written}\n{}", ends(&self.targets, &events)))?,
-                None if !self.bar.is_hidden() => complain(&written),
-                None => {}
-            }
-        }
-        self.lines.finish()
-    }
-}
-
-fn ends(targets: &[Follower], events: &Events) -> String {
-    let name = |target: &Follower| target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
-    targets.iter().enumerate().map(|(at, target)| format!("{}{}\n", name(target), events.sum(at))).collect()
-}
-
-fn warning(poor: &[Option<&str>]) -> Option<String> {
-    match poor {
-        [] => None,
-        [None, ..] => Some(format!("the target {POOR}")),
-        [Some(one)] => Some(format!("the target {one} {POOR}")),
-        several => {
-            let names: Vec<&str> = several.iter().copied().flatten().collect();
-            Some(format!("each of {} targets {POOR}: {}", names.len(), names.join(", ")))
-        }
-    }
-}
-
-/// Output of lines. Standard output gets each line at once, so an error loses none; a file appears only when complete.
-enum Lines {
-    /// Standard output. With `goes_on`, a closed pipe does not end the command, because a video is written, too.
-    Printed {
-        goes_on: bool,
-    },
-    File(Output),
-    Unread,
-}
-
-impl Lines {
-    fn write(&mut self, text: &str) -> Result<()> {
-        match self {
-            Self::Printed { goes_on } => match print(|out| out.write_all(text.as_bytes())) {
-                Err(error) if *goes_on && is_closed_pipe(&error) => *self = Self::Unread,
-                printed => printed?,
-            },
-            Self::File(file) => file.write(text.as_bytes())?,
-            Self::Unread => {}
-        }
-        Ok(())
-    }
-
-    fn settle(&mut self) -> Result<()> {
-        if let Self::File(file) = self { file.settle() } else { Ok(()) }
-    }
-
-    fn finish(self) -> Result<()> {
-        if let Self::File(file) = self { file.finish() } else { Ok(()) }
     }
 }

@@ -1,0 +1,127 @@
+//! A run through a recording: follows all targets, and writes each frame's answers to the outputs.
+
+use super::lines::Lines;
+use crate::command::events::Events;
+use crate::command::progress::Bar;
+use crate::command::video::{AnswersVideo, Shown};
+use anyhow::{Context, Result, bail};
+use smr_core::Quality;
+use smr_evaluation::Follower;
+use smr_files::output::{complain, print};
+use smr_pages::export::boxes::{Answer, Printer};
+use smr_recordings::{Arrivals, Frame};
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Warning about a target that is too similar to its surroundings.
+const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
+
+/// State of a run through a recording: all targets, and the outputs.
+pub struct Pass {
+    pub name: String,
+    pub targets: Vec<Follower>,
+    pub printer: Printer,
+    pub lines: Lines,
+    pub events: Option<Events>,
+    pub film: Option<(PathBuf, AnswersVideo)>,
+    pub bar: Bar,
+    pub live: Option<Arc<Arrivals>>,
+    pub drops: bool,
+    pub last: usize,
+}
+
+impl Pass {
+    pub fn frame(&mut self, frame: Frame) -> Result<()> {
+        let (number, time, gray) = (frame.number, frame.seconds, &frame.gray);
+        if self.live.as_ref().is_some_and(|live| live.dropped() > 0) && !self.drops {
+            self.drops = true;
+            self.warn("frames are dropped: they come faster than the target is followed (--resize 1/2 helps)");
+        }
+        let (mut shown, mut poor, mut happened) = (Vec::new(), Vec::new(), Vec::new());
+        for (at, target) in self.targets.iter_mut().enumerate() {
+            let is_due = target.next_start().is_some_and(|start| start <= number);
+            let report = target.step(number, gray).with_context(|| self.name.clone())?;
+            let locks = is_due && report.is_some();
+            let quality = target.quality().filter(|_| locks);
+            if quality.is_some_and(Quality::is_poor) {
+                poor.push(target.name.as_deref());
+            }
+            let name = target.name.as_deref();
+            let size = (gray.width, gray.height);
+            let answer = Answer { target: at, frame: number, time, size, report: report.as_ref(), quality };
+            self.lines.write(&self.printer.line(&answer)?)?;
+            let told = self.events.as_mut().zip(report.as_ref());
+            if let Some(event) = told.and_then(|(events, report)| events.of(at, locks, number, time, report.state)) {
+                happened.push(name.map_or_else(|| event.clone(), |name| format!("{name}: {event}")));
+            }
+            shown.push(Shown { name, report });
+        }
+        self.film.as_mut().map_or(Ok(()), |(_, film)| film.frame(frame, &shown))?;
+        for line in happened {
+            self.bar.suspend(|| print(|out| writeln!(out, "{line}")))?;
+        }
+        if let Some(warning) = warning(&poor) {
+            self.warn(&warning);
+        }
+        self.bar.inc();
+        self.last = number;
+        Ok(())
+    }
+
+    pub fn warn(&self, what: &str) {
+        self.bar.suspend(|| complain(&format!("warning: {}: {what}", self.name)));
+    }
+
+    fn say_end(&self, live: &Arrivals) {
+        if let Some(reason) = live.ended() {
+            self.warn(&format!("it has ended: {reason}"));
+        }
+        let (name, dropped) = (&self.name, live.dropped());
+        let came = self.bar.done() + dropped as u64;
+        complain(&format!("{name}: {came} frames came, {dropped} of them were dropped"));
+    }
+
+    /// Errors: `--init` gives a box for a frame after the last frame of a recording that is not live.
+    pub fn finish(mut self, first: usize) -> Result<()> {
+        self.bar.clear();
+        let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, target.name.as_ref())));
+        if let Some(live) = &self.live {
+            self.say_end(live);
+        } else if let Some((frame, name)) = missing {
+            let name = name.map_or(String::new(), |name| format!(" for {name}"));
+            bail!("{}: there is no frame {frame}{name} (--init): expected {first} to {}", self.name, self.last);
+        }
+        self.lines.write(&self.printer.foot()?)?;
+        self.lines.settle()?;
+        if let Some((name, film)) = self.film {
+            if let Some(note) = film.finish()? {
+                complain(&format!("note: {note}"));
+            }
+            let written = format!("{}: {} frames", name.display(), self.bar.done());
+            match self.events {
+                Some(events) => print(|out| write!(out, "{written}\n{}", ends(&self.targets, &events)))?,
+                None if !self.bar.is_hidden() => complain(&written),
+                None => {}
+            }
+        }
+        self.lines.finish()
+    }
+}
+
+fn ends(targets: &[Follower], events: &Events) -> String {
+    let name = |target: &Follower| target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
+    targets.iter().enumerate().map(|(at, target)| format!("{}{}\n", name(target), events.sum(at))).collect()
+}
+
+fn warning(poor: &[Option<&str>]) -> Option<String> {
+    match poor {
+        [] => None,
+        [None, ..] => Some(format!("the target {POOR}")),
+        [Some(one)] => Some(format!("the target {one} {POOR}")),
+        several => {
+            let names: Vec<&str> = several.iter().copied().flatten().collect();
+            Some(format!("each of {} targets {POOR}: {}", names.len(), names.join(", ")))
+        }
+    }
+}
