@@ -10,6 +10,7 @@ mod progress;
 pub mod recording_options;
 mod replay;
 mod report;
+mod session;
 mod shell;
 mod steady;
 mod track;

@@ -1,10 +1,11 @@
 //! `host-sim view`: serves a page in the browser, on which boxes are drawn, tracked and corrected.
 
 use super::paths::Places;
+use super::session::{typed, variant_of};
 use super::tracker_options::{Pair, TrackerOptions};
-use super::{Outcome, say, shell, usage, whole};
+use super::{Outcome, say, shell, whole};
 use anyhow::{Context, Error, Result, bail, ensure};
-use clap::{CommandFactory, Parser, ValueEnum};
+use clap::ValueEnum;
 use serde_json::{Map, Value};
 use smr_core::robust::{self, Small, Workspace};
 use smr_core::{Rect, Robust, Settings, Shape};
@@ -15,10 +16,10 @@ use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::export::{FILM_ENDINGS, PixelsPerMetre};
 use smr_pages::viewer::{
     Camera, Followed, Growing, Job, Length, Lock, Look, Made, Requests, Server, Session, Source, Target, Viewer, Work,
-    check_inside, plain,
+    check_inside, plain, session_beside,
 };
 use smr_recordings::annotations::{self, Labelled};
-use smr_recordings::{BUILT_IN, FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
+use smr_recordings::{FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
 use std::ffi::OsString;
 use std::io::Write;
 use std::num::NonZeroU16;
@@ -98,7 +99,7 @@ impl View {
         let labelled = Labelled { name: &name, size, frames: counted };
         let targets = self.targets(beside, length, &labelled).with_context(|| name.clone())?;
         let is_live = source.live().is_some();
-        let session_file = self.session_file(is_live);
+        let session_file = self.session.clone().or_else(|| session_beside(&self.source));
         let place = session_file.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
         let (session, work) = Session::open(session_file, &name)?;
         // Name of the file that the targets come from, for error messages.
@@ -196,18 +197,6 @@ impl View {
         Target::numbered(given)
     }
 
-    /// Path of the session file. Cameras, standard input and built-in recordings have one only with `--session`.
-    fn session_file(&self, is_live: bool) -> Option<PathBuf> {
-        let source = &self.source;
-        if self.session.is_some() || is_live || BUILT_IN.iter().any(|name| source == Path::new(name)) {
-            return self.session.clone();
-        }
-        let named = source.file_name().map_or_else(|| source.canonicalize().ok(), |_| Some(source.clone()))?;
-        let mut name = named.file_name()?.to_owned();
-        name.push(".smr.json");
-        Some(named.with_file_name(name))
-    }
-
     /// Resumes the method and targets of a session, except those that the command line gives. If other boxes are to come
     /// than those that the user has looked at, nobody has looked at them.
     fn resumed(
@@ -268,23 +257,6 @@ fn has_ffmpeg() -> bool {
 struct Desk {
     words: Vec<OsString>,
     images: Vec<String>,
-}
-
-/// The options of a method, as the page sends them.
-#[derive(Parser)]
-#[command(no_binary_name = true, name = "host-sim track")]
-struct Line {
-    #[arg(long, value_enum)]
-    method: MethodKind,
-    #[command(flatten)]
-    tracker: TrackerOptions,
-}
-
-fn variant_of(method: &str, options: &Map<String, Value>) -> Result<Variant> {
-    let words = [vec!["--method".into(), method.into()], typed(options)].concat();
-    let Line { method, tracker } = Line::try_parse_from(&words)
-        .map_err(|error| anyhow::anyhow!(usage::explained(&error, &Line::command(), &words)))?;
-    tracker.variant(method)
 }
 
 impl Requests for Desk {
@@ -402,15 +374,6 @@ fn inits(targets: &[Target]) -> Vec<OsString> {
         ["--init".into(), format!("{name}{}{at}", bbox.map_or("gone".to_owned(), place)).into()]
     };
     targets.iter().flat_map(|target| target.locks.iter().flat_map(|lock| init(target, lock))).collect()
-}
-
-fn typed(options: &Map<String, Value>) -> Vec<OsString> {
-    let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-    let option = |(name, value): (&String, &Value)| {
-        let values = value.as_array().map_or_else(|| std::slice::from_ref(value), Vec::as_slice);
-        values.iter().flat_map(|value| [format!("--{name}"), word(value)]).collect::<Vec<_>>()
-    };
-    options.iter().flat_map(option).map(OsString::from).collect()
 }
 
 fn robust_settings(configs: &Configs) -> String {

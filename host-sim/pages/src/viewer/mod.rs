@@ -35,7 +35,7 @@ pub use ordered_files::{Job, Made};
 pub use recording::Growing;
 pub use routes::{Look, Requests, Viewer, plain};
 pub use server::Server;
-pub use session::{Session, Work};
+pub use session::{Session, Work, beside as session_beside};
 pub use source::{Known, LiveState, Source};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use smr_files::input::{self, Kind};
 use smr_files::messages;
 use smr_files::output::Output;
+use smr_recordings::{BUILT_IN, is_live};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -39,6 +40,12 @@ impl Work {
         let (recording, method, options) = (recording.to_owned(), String::new(), Map::new());
         let (targets, made_by) = (Vec::new(), String::new());
         Self { smr_session: VERSION, recording, method, options, targets, ids: 0, made_by, frame: None, length: None }
+    }
+
+    /// Reads the session file at `path`; `None` if there is none. An error says `way_out`: what the user can do beside
+    /// moving the file away.
+    pub fn read(path: &Path, way_out: &str) -> Result<Option<Self>> {
+        Ok(there(path, way_out)?.map(|(_, work)| work))
     }
 
     /// Forgets what the user has looked at, because other boxes are to come. Returns true if there was anything.
@@ -79,9 +86,8 @@ enum There {
 impl Session {
     /// Opens the session of `recording`, and reads the session file at `path` if there is one.
     pub fn open(path: Option<PathBuf>, recording: &str) -> Result<(Self, Option<Work>)> {
-        let there = path.as_deref().filter(|path| fs::symlink_metadata(path).is_ok());
-        let read = there.map(|path| read(path).with_context(|| path.display().to_string())).transpose()?;
-        let (bytes, work) = read.unzip();
+        let read = path.as_deref().map(|path| there(path, "name another by --session")).transpose()?;
+        let (bytes, work) = read.flatten().unzip();
         let former = work.clone().unwrap_or_else(|| Work::new(recording));
         let is_set_aside = former.recording != recording;
         let kept = SavedWork { work: former, path, bytes, is_set_aside, has_failed: false };
@@ -253,11 +259,31 @@ fn written_as(names: impl Iterator<Item = PathBuf>, bytes: &[u8]) -> Result<Path
     bail!("no name is free")
 }
 
-fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
+/// Returns the path of the session that a viewer keeps beside a recording. Cameras, standard input and built-in
+/// recordings have none.
+pub fn beside(recording: &Path) -> Option<PathBuf> {
+    if recording == Path::new("-") || is_live(recording) || BUILT_IN.iter().any(|name| recording == Path::new(name)) {
+        return None;
+    }
+    let named = recording.file_name().map_or_else(|| recording.canonicalize().ok(), |_| Some(recording.to_owned()))?;
+    let mut name = named.file_name()?.to_owned();
+    name.push(".smr.json");
+    Some(named.with_file_name(name))
+}
+
+/// Reads the session at `path`, if anything is there: its bytes, and its work.
+fn there(path: &Path, way_out: &str) -> Result<Option<(Vec<u8>, Work)>> {
+    if fs::symlink_metadata(path).is_err() {
+        return Ok(None);
+    }
+    read(path, way_out).map(Some).with_context(|| path.display().to_string())
+}
+
+fn read(path: &Path, way_out: &str) -> Result<(Vec<u8>, Work)> {
     let wrong = |error: serde_json::Error| {
         let (line, column) = (error.line(), error.column());
         anyhow!(
-            "line {line}, column {column}: it is damaged, or no session of host-sim view: expected one as `view` writes it: move it away, or name another by --session"
+            "line {line}, column {column}: it is damaged, or no session of host-sim view: expected one as `view` writes it: move it away, or {way_out}"
         )
     };
     let bytes = input::bytes(path, &KIND)?;
@@ -265,10 +291,13 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
     let version = &value["smr_session"];
     ensure!(
         version.as_u64().is_none_or(|version| version <= VERSION.into()),
-        "it is a session of version {version}, and this host-sim reads {VERSION}: take a later host-sim"
+        "it is a session of version {version}, and this host-sim reads {VERSION}: take a later host-sim, or {way_out}"
     );
     let work: Work = serde_json::from_slice(&bytes).map_err(wrong)?;
-    ensure!(work.targets.iter().all(|target| !target.locks.is_empty()), "it has a target without boxes: move it away");
+    ensure!(
+        work.targets.iter().all(|target| !target.locks.is_empty()),
+        "it has a target without boxes: move it away, or {way_out}"
+    );
     Ok((bytes, work))
 }
 
@@ -367,7 +396,7 @@ mod tests {
                 assert!(said.ends_with(&format!("{name}-{is_first}-2.json")), "{said}");
                 assert_eq!((session.shows(6), session.keep(|_| ())), (None, None));
                 assert_eq!((file.is_dir(), fs::read(&file).ok()), before, "{name}");
-                assert!(read(&path(&format!("{name}-{is_first}-2.json"))).is_ok());
+                assert!(read(&path(&format!("{name}-{is_first}-2.json")), "").is_ok());
             }
         }
     }
@@ -389,7 +418,7 @@ mod tests {
             (fs::read(path("a.json~")).unwrap(), fs::read(path("a.json~2")).unwrap()),
             (b"mine".to_vec(), former)
         );
-        assert_eq!(read(&file).unwrap().1.recording, "a");
+        assert_eq!(read(&file, "").unwrap().1.recording, "a");
     }
 
     #[cfg(unix)]
@@ -403,12 +432,12 @@ mod tests {
         Session::open(Some(path("real.json")), "a").unwrap().0.keep(|_| ());
         let (session, _) = Session::open(Some(path("link.json")), "a").unwrap();
         assert_eq!(session.keep(|work| work.frame = Some(4)), None);
-        assert!(path("link.json").is_symlink() && read(&path("real.json")).unwrap().1.frame == Some(4));
+        assert!(path("link.json").is_symlink() && read(&path("real.json"), "").unwrap().1.frame == Some(4));
         let mut permissions = fs::metadata(path("real.json")).unwrap().permissions();
         permissions.set_readonly(true);
         fs::set_permissions(path("real.json"), permissions).unwrap();
         let said = session.keep(|work| work.frame = Some(5)).unwrap();
-        assert!(said.ends_with("link-2.json") && read(&path("real.json")).unwrap().1.frame == Some(4), "{said}");
+        assert!(said.ends_with("link-2.json") && read(&path("real.json"), "").unwrap().1.frame == Some(4), "{said}");
     }
 
     #[test]
