@@ -43,7 +43,7 @@ pub use formats::to_gray::{Levels, luma};
 pub use frame::{Frame, Frames, Moment};
 pub use frame_number::FrameNumber;
 pub use frame_range::{FrameRange, misfit};
-pub use open::{OpenOptions, open, start_beside};
+pub use open::{OpenOptions, name_of, open, start_beside};
 pub use planes::Planes;
 pub use raster::{ColorFrame, GrayFrame, Raster};
 pub use resize::{Resize, Scalable, resized};

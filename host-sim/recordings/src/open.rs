@@ -87,17 +87,22 @@ fn of_files(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         let known = BUILT_IN.join(", ");
         format!("cannot open {}: expected a folder, a file, or one of {known}", path.display())
     })?;
-    let (name, folder, sequence) = if kind.is_dir() {
-        (folder_name(path), path, source_in(path, options)?)
+    let (folder, sequence) = if kind.is_dir() {
+        (path, source_in(path, options)?)
     } else {
         let is_image = images::is_image(path) && options.size.is_none();
         let sequence =
             if is_image { images(ImageFile::all_in(path), path, options) } else { source_of(path, options)? };
-        let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        (name, path.parent().unwrap_or(Path::new("")), sequence)
+        (path.parent().unwrap_or(Path::new("")), sequence)
     };
     let (truth, init) = boxes_in(folder)?;
-    Ok(Sequence { name, init, truth, ..sequence })
+    Ok(Sequence { name: name_of(path), init, truth, ..sequence })
+}
+
+/// Returns the name of the recording at `path`, in one line: that of its folder, or of its file without the extension.
+pub fn name_of(path: &Path) -> String {
+    let file = || path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    messages::line(&if path.is_dir() { folder_name(path) } else { file() })
 }
 
 const LIVE: &str = "let ffmpeg read it, and pipe its Y4M into `host-sim track -` (host-sim/README.md, A live camera)";
