@@ -42,7 +42,7 @@ use std::str::FromStr;
 /// firmware draws as well). `track` and `view` also open /dev/video0 and addresses such as rtsp://...
 ///
 /// Without --init, the initial box comes from init.txt, gt.txt (both x1,y1,x2,y2), groundtruth_rect.txt (OTB) or groundtruth.txt (VOT,
-/// GOT-10k) beside the recording.
+/// GOT-10k) beside the recording. `track` and `report` first take the targets that `view` keeps there (SEQ.smr.json).
 ///
 /// Limits: 64 MiB for a file of boxes or of earlier results, 512 MiB for a picture.
 ///

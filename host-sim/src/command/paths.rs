@@ -2,6 +2,7 @@
 
 use anyhow::{Result, bail, ensure};
 use smr_files::output;
+use smr_pages::viewer::session_beside;
 use std::path::{Path, PathBuf};
 use std::{fmt, fs};
 
@@ -67,7 +68,12 @@ impl<'a> Places<'a> {
             if let Some((other, ..)) = self.outputs[..index].iter().find(|(_, other, _)| is_same(output, other)) {
                 bail!("{other} and {option} are one file, {shown}: expected two");
             }
-            let is_read = |recording: &&Path| is_same(output, recording) || is_part(output, recording);
+            let is_session = |recording: &Path| session_beside(recording).is_some_and(|file| is_same(output, &file));
+            let is_read = |recording: &&Path| {
+                is_same(output, recording)
+                    || is_part(output, recording)
+                    || option != "--session" && is_session(recording)
+            };
             ensure!(
                 !self.recordings.iter().any(is_read),
                 "{option} {shown} belongs to the recording that is read: expected another file"

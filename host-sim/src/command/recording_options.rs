@@ -1,5 +1,6 @@
 //! Options for opening a recording, shared by all commands that read one.
 
+use super::session::Kept;
 use super::tracker_options::Pair;
 use super::whole;
 use anyhow::{Context, Result, bail, ensure};
@@ -21,9 +22,12 @@ pub struct RecordingOptions {
     /// `X,Y,W,H@FRAME` is a box in a later frame. `track` and `report` take several targets, each with a name (--init car=150,100,40,48
     /// --init man=20,80,15,40@120), and further boxes of a target, at which the tracker locks again (--init car=170,90,40,48@300). From
     /// `gone@FRAME` on a target has no answers, up to its next box (--init car=gone@200).
+    ///
+    /// Without --init, `track` and the page of `report` follow the targets that `view` keeps beside the recording (SEQ.smr.json), with their
+    /// names, and say so. Between two boxes that `view` joins by a line, they follow the target, too.
     #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
     init: Vec<Start>,
-    /// Treat the initial boxes as including their right and bottom edges: one pixel wider and higher
+    /// Treat the initial boxes, except those of a session, as including their right and bottom edges: one pixel wider and higher
     #[arg(long)]
     inclusive: bool,
     /// The frame size of a raw dump
@@ -74,13 +78,23 @@ impl RecordingOptions {
             one,
             "--init: several targets and boxes in later frames are for `track` and the page of `report`: expected one box X,Y,W,H"
         );
-        self.open_all(path, false).map(|(sequence, _)| sequence)
+        self.open_all(path, false, None).map(|(sequence, _)| sequence)
     }
 
-    /// Opens a recording, a live one only with `takes_live`. Returns the targets of `--init`; without any, the
-    /// recording's own target.
-    pub fn open_with_targets(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
-        let (sequence, targets) = self.open_all(path, takes_live)?;
+    /// Returns the session of `view` whose boxes are followed: the one beside the recording, unless `--init` gives boxes.
+    pub fn kept(&self, path: &Path) -> Result<Option<Kept>> {
+        if self.init.is_empty() { Kept::beside(path) } else { Ok(None) }
+    }
+
+    /// Opens a recording, a live one only with `takes_live`. Returns the targets of `--init` or of the session; without
+    /// either, the recording's own target.
+    pub fn open_with_targets(
+        &self,
+        path: &Path,
+        takes_live: bool,
+        kept: Option<&Kept>,
+    ) -> Result<(Sequence, Vec<Target>)> {
+        let (sequence, targets) = self.open_all(path, takes_live, kept)?;
         if let Some(resize) = self.resize {
             let mut boxes =
                 targets.iter().flat_map(|target| &target.starts).filter_map(|(_, bbox)| *bbox).chain(sequence.init);
@@ -98,8 +112,8 @@ impl RecordingOptions {
         Ok((sequence, vec![Target::new(None, starts)]))
     }
 
-    /// Opens the recording. Returns it with the targets of `--init` only.
-    fn open_all(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
+    /// Opens the recording. Returns it with the targets of `--init` or of the session only.
+    fn open_all(&self, path: &Path, takes_live: bool, kept: Option<&Kept>) -> Result<(Sequence, Vec<Target>)> {
         let options = OpenOptions {
             size: self.size.map(|Pair(width, height)| (width, height)),
             levels: self.levels,
@@ -143,13 +157,12 @@ impl RecordingOptions {
             }
             sequence = sequence.part(part, truth_from, &option);
         }
-        let mut targets = Target::all(&self.init, sequence.first)?;
-        Target::check_frames(&targets, sequence.first, sequence.length, "--init")
-            .with_context(|| sequence.name.clone())?;
+        let mut targets = self.targets(&sequence, kept)?;
         if let Some(target) = targets.first() {
             sequence.init = target.starts[0].1;
         }
-        if self.inclusive {
+        // Boxes of a session are drawn to the pixel.
+        if self.inclusive && kept.is_none() {
             for bbox in targets.iter_mut().flat_map(Target::boxes_mut).chain(&mut sequence.init) {
                 (bbox.width, bbox.height) = (bbox.width + 1.0, bbox.height + 1.0);
             }
@@ -161,6 +174,23 @@ impl RecordingOptions {
             }
         }
         Ok((sequence, targets))
+    }
+
+    /// Targets of `--init`, or else of the session.
+    fn targets(&self, sequence: &Sequence, kept: Option<&Kept>) -> Result<Vec<Target>> {
+        let Sequence { name, first, length, .. } = sequence;
+        let targets = match kept {
+            None => Target::all(&self.init, *first)?,
+            Some(kept) => {
+                let last = self.frames().and_then(|part| part.last()).unwrap_or(usize::MAX);
+                let targets = kept.targets(*first, last).with_context(|| name.clone())?;
+                complain(&kept.note(name, &targets));
+                targets
+            }
+        };
+        let option = kept.map_or("--init", |kept| &kept.file);
+        Target::check_frames(&targets, *first, *length, option).with_context(|| name.clone())?;
+        Ok(targets)
     }
 
     /// Number of frames; `None` if unknown. For a video, the function may have to count packets or else decoded frames.

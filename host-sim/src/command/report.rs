@@ -116,7 +116,10 @@ impl Report {
     }
 
     fn page(&self, out: &Path, found: &[PathBuf], methods: &[Variant]) -> Result<(Vec<FilmedRecording>, Vec<Written>)> {
-        let open = |path: &PathBuf| self.recording.open_with_targets(path, false);
+        let open = |path: &PathBuf| {
+            let kept = self.recording.kept(path)?;
+            self.recording.open_with_targets(path, false, kept.as_ref())
+        };
         let mut sequences = found.iter().map(open).collect::<Result<Vec<_>>>()?;
         for (sequence, targets) in &sequences {
             let truth = sequence.truth.as_ref().filter(|_| targets.len() == 1);

@@ -1,12 +1,80 @@
-//! The method of a session of `view`, as words of a command line.
+//! The session that `view` keeps beside a recording, for commands without a page: its targets, and its method.
 
 use super::tracker_options::TrackerOptions;
-use super::usage;
-use anyhow::Result;
+use super::{shell, usage};
+use anyhow::{Context, Result, bail, ensure};
 use clap::{CommandFactory, Parser};
 use serde_json::{Map, Value};
 use smr_evaluation::{MethodKind, Variant};
+use smr_pages::viewer::{Work, session_beside};
+use smr_recordings::Target;
 use std::ffi::OsString;
+use std::path::Path;
+
+/// A session that has targets.
+pub struct Kept {
+    /// Path of the file, for messages.
+    pub file: String,
+    work: Work,
+}
+
+impl Kept {
+    /// Reads the session beside a recording; `None` if there is none, or it has no targets.
+    pub fn beside(recording: &Path) -> Result<Option<Self>> {
+        let Some(path) = session_beside(recording) else { return Ok(None) };
+        let work = Work::read(&path, "give --init")?.filter(|work| !work.targets.is_empty());
+        Ok(work.map(|work| Self { file: path.display().to_string(), work }))
+    }
+
+    /// Returns the targets with their boxes in frames `first` to `last`. Errors: A box of a target that is there in frame
+    /// `first` is in an earlier frame, or no box is in these frames.
+    pub fn targets(&self, first: usize, last: usize) -> Result<Vec<Target>> {
+        let all = self.work.targets.iter().map(|target| begun(target.given()?, first));
+        let mut targets = all.collect::<Result<Vec<_>>>().with_context(|| self.file.clone())?;
+        targets.iter_mut().for_each(|target| target.starts.retain(|(frame, _)| *frame <= last));
+        targets.retain(|target| !target.starts.is_empty());
+        ensure!(!targets.is_empty(), "{}: no box is in these frames: expected other --frames, or --init", self.file);
+        Ok(targets)
+    }
+
+    pub fn variant(&self) -> Result<Variant> {
+        variant_of(&self.work.method, &self.work.options).with_context(|| self.file.clone())
+    }
+
+    /// Tells the method of the session; `None` if it is the one that every command takes without options.
+    pub fn note_of_method(&self) -> Option<String> {
+        let words = typed(&self.work.options);
+        let is_usual = words.is_empty() && self.work.method == MethodKind::Robust.name();
+        let words: Vec<_> = ["--method".into(), self.work.method.clone().into()].into_iter().chain(words).collect();
+        let line = shell::line(words.iter().map(OsString::as_os_str));
+        (!is_usual).then(|| format!("note: method of the session {}: {line}", self.file))
+    }
+
+    /// Tells whose boxes are followed in the recording of this name.
+    pub fn note(&self, recording: &str, targets: &[Target]) -> String {
+        let names: Vec<_> = targets.iter().filter_map(|target| target.name.as_deref()).collect();
+        let other = &self.work.recording;
+        let of = if other == recording { String::new() } else { format!(" of {other}") };
+        format!("note: {recording}: boxes of the session {}{of}: {}", self.file, names.join(", "))
+    }
+}
+
+/// Drops the boxes before frame `first`. Errors: The target is there in this frame, and has no box in it.
+fn begun(mut target: Target, first: usize) -> Result<Target> {
+    let before = target.starts.iter().take_while(|(frame, _)| *frame < first).count();
+    let has_box_in_first = target.starts.get(before).is_some_and(|(frame, _)| *frame == first);
+    if let Some((frame, Some(_))) = before.checked_sub(1).map(|at| target.starts[at]).filter(|_| !has_box_in_first) {
+        let name = target.name.as_deref().unwrap_or_default();
+        bail!(
+            "the box of {name} in frame {frame} is not read: expected one in frame {first}, --frames from {frame} on, or --init"
+        );
+    }
+    target.starts.drain(..before);
+    if target.starts.first().is_some_and(|(_, bbox)| bbox.is_none()) {
+        target.starts.remove(0);
+    }
+    Ok(target)
+}
 
 /// The options of a method, as the page sends them.
 #[derive(Parser)]
@@ -32,4 +100,34 @@ pub fn typed(options: &Map<String, Value>) -> Vec<OsString> {
         values.iter().flat_map(|value| [format!("--{name}"), word(value)]).collect::<Vec<_>>()
     };
     options.iter().flat_map(option).map(OsString::from).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_before_the_frames_that_are_read_are_dropped_if_none_of_them_counts() {
+        let target = |starts: &[(usize, bool)]| {
+            let start = |&(frame, is_box): &(usize, bool)| (frame, is_box.then(|| [1, 2, 9, 9].into()));
+            Target::new(Some("a".to_owned()), starts.iter().map(start).collect())
+        };
+        let frames = |starts: &[(usize, bool)]| {
+            begun(target(starts), 20).map(|target| target.starts.iter().map(|(frame, _)| *frame).collect::<Vec<_>>())
+        };
+        for (starts, left) in [
+            (&[(20, true), (30, true)][..], &[20, 30][..]),
+            (&[(1, true), (20, true), (25, false)], &[20, 25]),
+            (&[(1, true), (9, false), (30, true)], &[30]),
+            (&[(1, true), (20, false), (30, true)], &[30]),
+            (&[(1, true), (9, false)], &[]),
+        ] {
+            assert_eq!(frames(starts).unwrap(), left, "{starts:?}");
+        }
+        let error = frames(&[(1, true), (30, true)]).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "the box of a in frame 1 is not read: expected one in frame 20, --frames from 1 on, or --init"
+        );
+    }
 }

@@ -10,10 +10,11 @@ use super::events::Events;
 use super::paths::{Places, Taken, listed};
 use super::progress::{self, Bar};
 use super::recording_options::RecordingOptions;
+use super::session::Kept;
 use super::tracker_options::TrackerOptions;
 use super::video::{AnswersVideo, Look, Mark};
 use anyhow::{Context, Error, Result, bail, ensure};
-use smr_evaluation::{Follower, MethodKind};
+use smr_evaluation::{Follower, MethodKind, Variant};
 use smr_files::messages::choice_name;
 use smr_files::output::{Output, complain};
 use smr_files::signals;
@@ -105,7 +106,9 @@ impl Track {
         films.iter().fold(places, |places, (option, film)| places.writes(option, Some(film), Some(FILM))).check()?;
         let method = self.method.or_else(|| self.tracker.method());
         let variant = self.tracker.variant(method.unwrap_or(MethodKind::Robust))?;
-        let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence, true)?;
+        let kept = self.recording.kept(&self.sequence)?;
+        let variant = self.of_session(kept.as_ref())?.unwrap_or(variant);
+        let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence, true, kept.as_ref())?;
         let cropped = self.cropped(&targets)?;
         let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
         let format = self.format(targets.len())?;
@@ -150,8 +153,20 @@ impl Track {
         let sequence = if film.is_some() { sequence.in_color(self.recording.ffmpeg_patience()) } else { sequence };
         lines.write(&printer.head())?;
         let last = sequence.first - 1;
-        let mut pass =
-            Pass { name: sequence.name, targets, printer, lines, events, film, bar, live, drops: false, last };
+        let boxes_of = kept.map_or_else(|| "--init".to_owned(), |kept| kept.file);
+        let mut pass = Pass {
+            name: sequence.name,
+            boxes_of,
+            targets,
+            printer,
+            lines,
+            events,
+            film,
+            bar,
+            live,
+            drops: false,
+            last,
+        };
         for frame in sequence.frames {
             pass.frame(frame?)?;
         }
@@ -160,6 +175,17 @@ impl Track {
         }
         pass.finish(sequence.first)?;
         Ok(Outcome::Holds)
+    }
+
+    /// Method and options of the session, if the command line has neither.
+    fn of_session(&self, kept: Option<&Kept>) -> Result<Option<Variant>> {
+        let is_given = self.method.is_some() || !self.tracker.says_nothing();
+        let Some(kept) = kept.filter(|_| !is_given) else { return Ok(None) };
+        let variant = kept.variant()?;
+        if let Some(note) = kept.note_of_method() {
+            complain(&note);
+        }
+        Ok(Some(variant))
     }
 
     /// Errors: The format cannot name several targets, or the extension of the output file belongs to another format.

@@ -2,9 +2,10 @@
 
 use super::spans::Spans;
 use crate::export::PixelsPerMetre;
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::Rect;
+use smr_recordings::{check_gone, checked_name};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Target {
@@ -42,6 +43,20 @@ impl Target {
             Ok(Self { id, name, locks, hidden: Spans::default(), checked: Spans::default() })
         };
         (1..).zip(given).map(target).collect()
+    }
+
+    /// Returns the target as trackers take it, its boxes in the order of their frames. Errors: The name has other letters
+    /// than a name may have, two locks are in one frame, or the target is gone twice, or before its first box.
+    pub fn given(&self) -> Result<smr_recordings::Target> {
+        let name = if self.name.is_empty() { format!("target{}", self.id) } else { checked_name(&self.name)? };
+        let start = |lock: &Lock| (lock.frame, lock.rect().map(Into::into));
+        let mut starts: Vec<_> = self.locks.iter().map(start).collect();
+        starts.sort_by_key(|(frame, _)| *frame);
+        if let Some(twice) = starts.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            bail!("{name} has two boxes in frame {}: expected one", twice[0].0);
+        }
+        check_gone(&name, starts.iter().map(|(frame, bbox)| (*frame, bbox.is_some())))?;
+        Ok(smr_recordings::Target::new(Some(name), starts))
     }
 
     pub fn named_locks(&self) -> impl Iterator<Item = (&str, &Lock)> {
@@ -125,6 +140,32 @@ impl TargetSpan {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_target_is_given_to_trackers_as_it_was_drawn() {
+        let [early, late] = [Rect::new(1, 2, 9, 9), Rect::new(3, 4, 9, 9)];
+        let locks = vec![Lock::new(9, Some(late)), Lock::new(5, None), Lock::new(2, Some(early))];
+        let target = |name: &str, locks: &[Lock]| Target {
+            id: 3,
+            name: name.to_owned(),
+            locks: locks.to_vec(),
+            hidden: Spans::default(),
+            checked: Spans::default(),
+        };
+        let given = target("", &locks).given().unwrap();
+        assert_eq!(
+            (given.name.as_deref(), given.rects().unwrap()),
+            (Some("target3"), vec![(2, Some(early)), (5, None), (9, Some(late))])
+        );
+        for (name, locks, why) in [
+            ("a,b", &locks[..], "the name \"a,b\": expected letters"),
+            ("a", &[locks[0], locks[0]], "a has two boxes in frame 9"),
+            ("a", &locks[1..2], "a is gone in frame 5 before its first box"),
+        ] {
+            let error = target(name, locks).given().unwrap_err().to_string();
+            assert!(error.starts_with(why), "{error}");
+        }
+    }
 
     #[test]
     fn what_differs_between_two_lists_of_locks() {

@@ -20,6 +20,8 @@ const POOR: &str = "can hardly be told from what lies beside it: expected a box 
 /// State of a run through a recording: all targets, and the outputs.
 pub struct Pass {
     pub name: String,
+    /// The option or the file that gave the boxes.
+    pub boxes_of: String,
     pub targets: Vec<Follower>,
     pub printer: Printer,
     pub lines: Lines,
@@ -82,7 +84,7 @@ impl Pass {
         complain(&format!("{name}: {came} frames came, {dropped} of them were dropped"));
     }
 
-    /// Errors: `--init` gives a box for a frame after the last frame of a recording that is not live.
+    /// Errors: A box is for a frame after the last frame of a recording that is not live.
     pub fn finish(mut self, first: usize) -> Result<()> {
         self.bar.clear();
         let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, target.name.as_ref())));
@@ -90,7 +92,8 @@ impl Pass {
             self.say_end(live);
         } else if let Some((frame, name)) = missing {
             let name = name.map_or(String::new(), |name| format!(" for {name}"));
-            bail!("{}: there is no frame {frame}{name} (--init): expected {first} to {}", self.name, self.last);
+            let (of, last) = (&self.boxes_of, self.last);
+            bail!("{}: there is no frame {frame}{name} ({of}): expected {first} to {last}", self.name);
         }
         self.lines.write(&self.printer.foot()?)?;
         self.lines.settle()?;
