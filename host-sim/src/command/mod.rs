@@ -5,6 +5,7 @@ mod convert;
 mod eval;
 mod events;
 mod exit_code;
+mod names;
 mod paths;
 mod progress;
 pub mod recording_options;
@@ -19,7 +20,7 @@ mod usage;
 mod video;
 mod view;
 
-use anyhow::{Result, anyhow};
+use anyhow::{Context, Result, anyhow};
 use clap::{CommandFactory, Parser, Subcommand};
 pub use exit_code::{Outcome, program};
 use exit_code::{is_closed_pipe, obey, told};
@@ -207,4 +208,8 @@ pub fn say(report: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
         Err(error) if !is_closed_pipe(&error) => Err(error),
         _ => Ok(()),
     }
+}
+
+fn make_folder(folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
 }

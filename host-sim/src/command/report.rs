@@ -1,10 +1,11 @@
 //! `host-sim report`: shows recordings on an HTML page, or draws the paper's figures of one.
 
+use super::names::apart;
 use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::{Outcome, from, progress, shell};
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use super::{Outcome, from, make_folder, progress, shell};
+use anyhow::{Result, anyhow, bail, ensure};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Variant, result_files};
 use smr_files::output::{Output, complain, print};
@@ -13,7 +14,6 @@ use smr_pages::report::{self, About, FilmedRecording, Refusal, Watch};
 use smr_recordings::{BUILT_IN, FrameRange, Sequence, Source, Target, misfit};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
-use std::fs;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -126,7 +126,10 @@ impl Report {
             let misfit = truth.zip(sequence.length).and_then(|(truth, length)| misfit(length, truth.len()));
             misfit.map_or(Ok(()), |misfit| Err(anyhow!("{}: {misfit}", sequence.name)))?;
         }
-        name_apart(&mut sequences);
+        let names = apart(sequences.iter().map(|(sequence, _)| sequence.name.clone()).collect());
+        for ((sequence, _), name) in sequences.iter_mut().zip(names) {
+            sequence.name = name;
+        }
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
         let page = page_file(out, &title)?;
         // Checks the page's path, not just `--out`: if `--out` is a folder, the page's name is known only here.
@@ -230,29 +233,12 @@ impl Report {
     }
 }
 
-/// Appends a number to the name of each recording that has the name of an earlier one, so that all names differ.
-fn name_apart(sequences: &mut [(Sequence, Vec<Target>)]) {
-    for at in 1..sequences.len() {
-        let (before, rest) = sequences.split_at_mut(at);
-        let name = rest[0].0.name.clone();
-        let mut number = 1;
-        while before.iter().any(|(other, _)| other.name == rest[0].0.name) {
-            number += 1;
-            rest[0].0.name = format!("{name} ({number})");
-        }
-    }
-}
-
 /// Returns the path of the page, and creates its folder.
 fn page_file(out: &Path, name: &str) -> Result<PathBuf> {
     let is_page = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html"));
     let file = if is_page { out.to_owned() } else { out.join(format!("{name}.html")) };
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(Ok(()), make_folder)?;
     Ok(file)
-}
-
-fn make_folder(folder: &Path) -> Result<()> {
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
 }
 
 fn lines(films: &[FilmedRecording], files: &[Written]) -> String {
@@ -294,6 +280,7 @@ fn json(films: &[FilmedRecording], methods: &[Variant], files: &[Written], left_
 mod tests {
     use super::*;
     use clap::Parser;
+    use std::fs;
 
     #[derive(Parser)]
     struct Line {
