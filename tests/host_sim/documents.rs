@@ -1,9 +1,10 @@
 //! Runs each host-sim command in the ```sh blocks of the READMEs, in a folder with the files that the READMEs name:
-//! `clip.mp4`, `video.mp4`, `sequences`, a flight record. `NOT_RUN` lists the exceptions with their reasons.
+//! `clip.mp4`, `video.mp4`, both with a session of `view`, `sequences`, a flight record. `NOT_RUN` lists the exceptions with their reasons.
 
 use crate::markdown;
 use crate::missing::{has_ffmpeg, runs, skipped};
 use crate::program::{PROGRAM, host_sim, utf8};
+use serde_json::json;
 use smr_core::record::Recorder;
 use smr_core::{Robust, Tracker, robust};
 use smr_recordings::synthetic;
@@ -77,6 +78,13 @@ fn clip(folder: &Path) {
     assert!(runs(Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&frames), utf8(&clip)])));
     fs::remove_file(&frames).unwrap();
     fs::copy(&clip, folder.join("video.mp4")).unwrap();
+    for name in ["clip", "video"] {
+        let mouse = json!({ "id": 1, "name": "mouse", "locks": [{ "frame": 1, "box": [72, 48, 48, 56] }] });
+        let session = json!({
+            "smr_session": 1, "recording": name, "method": "robust", "options": {}, "targets": [mouse], "frame": 1,
+        });
+        fs::write(folder.join(format!("{name}.mp4.smr.json")), session.to_string()).unwrap();
+    }
 }
 
 #[test]

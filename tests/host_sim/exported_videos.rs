@@ -71,6 +71,41 @@ fn place_of(part: &GrayFrame, frame: &GrayFrame, by: usize) -> (usize, usize) {
     places.min_by_key(|&(left, top)| differs(left, top)).unwrap()
 }
 
+/// Several recordings have a video each, and one that fails leaves none.
+#[test]
+fn several_recordings_have_a_video_each() {
+    if !has_both("several_recordings_have_a_video_each") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let clips = ["Käfig 1.y4m", "b.y4m", "cut.y4m"].map(path);
+    for clip in &clips {
+        assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..4", "-o", utf8(clip)]).code, Some(0));
+    }
+    let bytes = std::fs::read(&clips[2]).unwrap();
+    std::fs::write(&clips[2], &bytes[..bytes.len() - 9]).unwrap();
+    let videos = path("videos");
+    let track = |more: &[&str]| {
+        let clips = clips.each_ref().map(|clip| utf8(clip));
+        host_sim(&[&["track", "--init", "36,24,24,28", "--video", utf8(&videos)], &clips[..], more].concat())
+    };
+    let all = track(&["--frames", "..3"]);
+    assert_eq!((all.code, all.out.lines().count()), (Some(0), 10), "{}", all.err);
+    for name in ["Käfig 1.mp4", "b.mp4", "cut.mp4"] {
+        assert_eq!(times(&videos.join(name)).len(), 3, "{name}");
+    }
+    std::fs::remove_file(videos.join("cut.mp4")).unwrap();
+    let cut = track(&[]);
+    assert_eq!((cut.code, cut.out.lines().count()), (Some(2), 9), "{}", cut.err);
+    let last = cut.err.lines().last().unwrap();
+    assert_eq!(last, "error: 1 of 3 recordings failed: see the errors above");
+    let is_there = ["Käfig 1.mp4", "b.mp4", "cut.mp4"].map(|name| videos.join(name).exists());
+    assert_eq!((is_there, times(&videos.join("b.mp4")).len()), ([true, true, false], 4));
+    let refused = host_sim(&["track", utf8(&clips[1]), utf8(&videos.join("b.mp4")), "--video", utf8(&videos)]);
+    refused.refuses(&["b.mp4 belongs to the recording that is read"]);
+}
+
 /// Writes a clip with colors, sound, pixels that are not square, and irregular frame times.
 fn clip(folder: &Path) -> std::path::PathBuf {
     let clip = folder.join("clip.mp4");

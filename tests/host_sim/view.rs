@@ -161,6 +161,33 @@ fn what_is_followed_in_the_viewer_is_what_track_answers() {
     assert!(viewer.text("firmware").contains("camera_within"));
 }
 
+/// The way of a user with many clips: boxes are drawn in the viewer, and one `track` follows them all.
+#[test]
+fn what_was_drawn_in_the_viewer_is_followed_by_track() {
+    let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let recordings = folders.each_ref().map(recording);
+    let drawn = json!([
+        { "id": 1, "name": "mouse", "locks": [{ "frame": 2, "box": [37, 24, 24, 28], "by_hand": true },
+            { "frame": 20, "box": null }, { "frame": 30, "box": [80, 40, 24, 28] }] },
+        { "id": 3, "name": "rat", "locks": [{ "frame": 5, "box": [38, 25, 24, 28] }] },
+    ]);
+    let answers = recordings.each_ref().map(|recording| {
+        let viewer = Viewer::open(&[recording]);
+        assert_eq!(viewer.post("method", &json!({ "method": "paper", "options": { "config": "camera" } })).0, 200);
+        assert_eq!(viewer.post("targets", &drawn).0, 200);
+        viewer.followed();
+        viewer.text("boxes?format=csv")
+    });
+    let one = host_sim(&["track", &recordings[0]]);
+    assert_eq!((one.code, one.out), (Some(0), answers[0].clone()));
+    let note = format!("{}.smr.json: mouse, rat; its method: paper --config camera\n", recordings[0]);
+    assert!(one.err.ends_with(&note), "{}", one.err);
+    let all = host_sim(&["track", &recordings[0], &recordings[1]]);
+    let rows = |name: &str| answers[0].lines().skip(1).map(|line| format!("{name},{line}\n")).collect::<String>();
+    let head = format!("recording,{}\n", answers[0].lines().next().unwrap());
+    assert_eq!((all.code, all.out), (Some(0), head + &rows("synthetic") + &rows("synthetic (2)")), "{}", all.err);
+}
+
 #[test]
 fn a_length_is_kept_with_its_line_and_adds_the_columns_that_track_has() {
     let folder = tempfile::tempdir().unwrap();

@@ -70,6 +70,7 @@ enum Command {
     #[command(after_help = "Examples:
   host-sim track clip.mp4 --init 142,125,90,39 --method robust -o boxes.mp4
   host-sim track sequences/car --frames 20..80 --resize 1/2 --format csv --out boxes.csv
+  host-sim track day1.mp4 day2.mp4 day3.mp4 -o mice.csv
   host-sim track rtsp://camera.local/stream --init 280,200,80,80 -o boxes.csv
   ffmpeg -v error -f v4l2 -i /dev/video0 -pix_fmt gray -f yuv4mpegpipe -strict -1 - | host-sim track - --init 280,200,80,80")]
     Track(track::Track),

@@ -1,7 +1,10 @@
 //! Checks of a command's paths: outputs differ, have allowed extensions, and neither are nor belong to an input.
 
-use anyhow::{Result, bail, ensure};
+use super::HostSim;
+use anyhow::{Error, Result, anyhow, bail, ensure};
+use clap::CommandFactory;
 use smr_files::output;
+use smr_pages::export::boxes::Format;
 use smr_pages::viewer::session_beside;
 use std::path::{Path, PathBuf};
 use std::{fmt, fs};
@@ -49,6 +52,36 @@ pub fn listed(endings: &[&str]) -> String {
         [others @ .., last] if !others.is_empty() => format!(".{} or .{last}", others.join(", .")),
         _ => format!(".{}", endings.concat()),
     }
+}
+
+/// Finds several recordings; `None` if there is one path, and it is no folder of recordings. Errors: A path has no
+/// recording, or a live source stands beside others. `lacks_out` is true if a path may be that of `--out`.
+pub fn several(paths: &[PathBuf], lacks_out: bool) -> Result<Option<Vec<PathBuf>>> {
+    if matches!(paths, [one] if !one.is_dir()) {
+        return Ok(None);
+    }
+    let found = smr_recordings::recordings(paths).map_err(|error| meant(paths, lacks_out).unwrap_or(error))?;
+    let is_live = |path: &&PathBuf| *path == Path::new("-") || smr_recordings::is_live(path);
+    if let Some(live) = found.iter().find(is_live).filter(|_| found.len() > 1) {
+        bail!("{} is followed alone: expected it as the only recording, or recordings that are files", live.display());
+    }
+    Ok((found.len() > 1 || found != paths).then_some(found))
+}
+
+/// Returns what was probably meant by the first path that is not there: a command, or the value of an option.
+fn meant(paths: &[PathBuf], lacks_out: bool) -> Option<Error> {
+    let at = paths.iter().position(|path| !path.exists())?;
+    let words: Vec<_> = paths[at..].iter().map(|path| path.to_string_lossy()).collect();
+    let word = &words[0];
+    let is_box = words.len() == 4 && words.iter().all(|word| word.parse::<f64>().is_ok());
+    Some(match Format::of_file(&paths[at]) {
+        _ if HostSim::command().find_subcommand(&**word).is_some() => {
+            anyhow!("{word} is a command: expected it first, as in host-sim {word}")
+        }
+        _ if is_box => anyhow!("{word}: there is no such recording; did you mean --init {}?", words.join(",")),
+        Some(_) if lacks_out => anyhow!("{word}: there is no such recording; did you mean --out {word}?"),
+        _ => return None,
+    })
 }
 
 impl<'a> Places<'a> {

@@ -75,10 +75,6 @@ impl Bar {
         }
     }
 
-    pub fn done(&self) -> u64 {
-        self.state().done
-    }
-
     /// Clears the line before other output to the terminal.
     pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
         self.clear();

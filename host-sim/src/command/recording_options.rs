@@ -81,6 +81,11 @@ impl RecordingOptions {
         self.open_all(path, false, None).map(|(sequence, _)| sequence)
     }
 
+    /// Errors: The boxes of `--init` contradict each other, or are before the first frame that is read.
+    pub fn check_init(&self) -> Result<()> {
+        Target::all(&self.init, self.frames().map_or(1, |part| part.first())).map(drop)
+    }
+
     /// Returns the session of `view` whose boxes are followed: the one beside the recording, unless `--init` gives boxes.
     pub fn kept(&self, path: &Path) -> Result<Option<Kept>> {
         if self.init.is_empty() { Kept::beside(path) } else { Ok(None) }
@@ -183,9 +188,7 @@ impl RecordingOptions {
             None => Target::all(&self.init, *first)?,
             Some(kept) => {
                 let last = self.frames().and_then(|part| part.last()).unwrap_or(usize::MAX);
-                let targets = kept.targets(*first, last).with_context(|| name.clone())?;
-                complain(&kept.note(name, &targets));
-                targets
+                kept.targets(*first, last).with_context(|| name.clone())?
             }
         };
         let option = kept.map_or("--init", |kept| &kept.file);

@@ -11,7 +11,7 @@ use smr_evaluation::{Evaluation, MethodKind, Variant, result_files};
 use smr_files::output::{Output, complain, print};
 use smr_pages::report::figures::{self, Figure, Plan};
 use smr_pages::report::{self, About, FilmedRecording, Refusal, Watch};
-use smr_recordings::{BUILT_IN, FrameRange, Sequence, Source, Target, misfit};
+use smr_recordings::{BUILT_IN, FrameRange, Sequence, Source, Target, misfit, name_of};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::io::Write;
@@ -118,6 +118,7 @@ impl Report {
     fn page(&self, out: &Path, found: &[PathBuf], methods: &[Variant]) -> Result<(Vec<FilmedRecording>, Vec<Written>)> {
         let open = |path: &PathBuf| {
             let kept = self.recording.kept(path)?;
+            kept.iter().for_each(|kept| kept.tell(&name_of(path), false));
             self.recording.open_with_targets(path, false, kept.as_ref())
         };
         let mut sequences = found.iter().map(open).collect::<Result<Vec<_>>>()?;

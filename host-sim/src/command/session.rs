@@ -6,8 +6,9 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::{CommandFactory, Parser};
 use serde_json::{Map, Value};
 use smr_evaluation::{MethodKind, Variant};
-use smr_pages::viewer::{Work, session_beside};
-use smr_recordings::Target;
+use smr_files::output::complain;
+use smr_pages::viewer::{Target, Work, session_beside};
+use smr_recordings::Target as Given;
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -28,7 +29,7 @@ impl Kept {
 
     /// Returns the targets with their boxes in frames `first` to `last`. Errors: A box of a target that is there in frame
     /// `first` is in an earlier frame, or no box is in these frames.
-    pub fn targets(&self, first: usize, last: usize) -> Result<Vec<Target>> {
+    pub fn targets(&self, first: usize, last: usize) -> Result<Vec<Given>> {
         let all = self.work.targets.iter().map(|target| begun(target.given()?, first));
         let mut targets = all.collect::<Result<Vec<_>>>().with_context(|| self.file.clone())?;
         targets.iter_mut().for_each(|target| target.starts.retain(|(frame, _)| *frame <= last));
@@ -41,26 +42,21 @@ impl Kept {
         variant_of(&self.work.method, &self.work.options).with_context(|| self.file.clone())
     }
 
-    /// Tells the method of the session; `None` if it is the one that every command takes without options.
-    pub fn note_of_method(&self) -> Option<String> {
-        let words = typed(&self.work.options);
-        let is_usual = words.is_empty() && self.work.method == MethodKind::Robust.name();
-        let words: Vec<_> = ["--method".into(), self.work.method.clone().into()].into_iter().chain(words).collect();
-        let line = shell::line(words.iter().map(OsString::as_os_str));
-        (!is_usual).then(|| format!("note: method of the session {}: {line}", self.file))
-    }
-
-    /// Tells whose boxes are followed in the recording of this name.
-    pub fn note(&self, recording: &str, targets: &[Target]) -> String {
-        let names: Vec<_> = targets.iter().filter_map(|target| target.name.as_deref()).collect();
-        let other = &self.work.recording;
+    /// Tells whose boxes are followed in the recording of this name, and if `has_method`, by which method and options.
+    pub fn tell(&self, recording: &str, has_method: bool) {
+        let Work { recording: other, method, options, targets, .. } = &self.work;
         let of = if other == recording { String::new() } else { format!(" of {other}") };
-        format!("note: {recording}: boxes of the session {}{of}: {}", self.file, names.join(", "))
+        let names: Vec<_> = targets.iter().map(Target::name).collect();
+        let words: Vec<OsString> = std::iter::once(method.into()).chain(typed(options)).collect();
+        let line = shell::line(words.iter().map(OsString::as_os_str));
+        let is_told = has_method && line != MethodKind::Robust.name();
+        let by = if is_told { format!("; its method: {line}") } else { String::new() };
+        complain(&format!("note: {recording}: boxes of the session {}{of}: {}{by}", self.file, names.join(", ")));
     }
 }
 
 /// Drops the boxes before frame `first`. Errors: The target is there in this frame, and has no box in it.
-fn begun(mut target: Target, first: usize) -> Result<Target> {
+fn begun(mut target: Given, first: usize) -> Result<Given> {
     let before = target.starts.iter().take_while(|(frame, _)| *frame < first).count();
     let has_box_in_first = target.starts.get(before).is_some_and(|(frame, _)| *frame == first);
     if let Some((frame, Some(_))) = before.checked_sub(1).map(|at| target.starts[at]).filter(|_| !has_box_in_first) {
@@ -110,7 +106,7 @@ mod tests {
     fn boxes_before_the_frames_that_are_read_are_dropped_if_none_of_them_counts() {
         let target = |starts: &[(usize, bool)]| {
             let start = |&(frame, is_box): &(usize, bool)| (frame, is_box.then(|| [1, 2, 9, 9].into()));
-            Target::new(Some("a".to_owned()), starts.iter().map(start).collect())
+            Given::new(Some("a".to_owned()), starts.iter().map(start).collect())
         };
         let frames = |starts: &[(usize, bool)]| {
             begun(target(starts), 20).map(|target| target.starts.iter().map(|(frame, _)| *frame).collect::<Vec<_>>())

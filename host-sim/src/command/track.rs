@@ -1,46 +1,49 @@
 //! `host-sim track`: prints the target's box in every frame.
 
+mod follow;
 mod lines;
+mod opened;
 mod pass;
+mod plan;
+mod run;
+mod several;
 
-use self::lines::Lines;
-use self::pass::Pass;
-use super::Outcome;
-use super::events::Events;
-use super::paths::{Places, Taken, listed};
-use super::progress::{self, Bar};
+use super::paths::{Taken, listed};
 use super::recording_options::RecordingOptions;
-use super::session::Kept;
 use super::tracker_options::TrackerOptions;
 use super::video::{AnswersVideo, Look, Mark};
-use anyhow::{Context, Error, Result, bail, ensure};
-use smr_evaluation::{Follower, MethodKind, Variant};
+use anyhow::{Result, bail, ensure};
+use smr_evaluation::{MethodKind, Variant};
 use smr_files::messages::choice_name;
-use smr_files::output::{Output, complain};
-use smr_files::signals;
-use smr_pages::export::boxes::{About, Format, Printer};
+use smr_pages::export::boxes::Format;
 use smr_pages::export::{FILM_ENDINGS, PixelsPerMetre, Plan};
-use smr_recordings::{BoundingBox, Sequence, Target, misfit};
-use std::io::{IsTerminal, stderr, stdout};
+use smr_recordings::{BoundingBox, Sequence, Target};
+use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Track {
-    /// The recording, or a live source: `-` (Y4M from standard input, each frame answered at once), an address for ffmpeg (rtsp://...), or
-    /// /dev/video0 on Linux; Ctrl-C ends it
-    #[arg(value_name = "SEQ")]
-    sequence: PathBuf,
-    /// The tracker, or a simpler method for comparison [default: that of --config, else robust]
+    /// The recordings, or folders of recordings; or one live source: `-` (Y4M from standard input, each frame answered at once), an address
+    /// for ffmpeg (rtsp://...), or /dev/video0 on Linux; Ctrl-C ends it
+    ///
+    /// Several recordings make one table, in which `recording` and `target` begin each line (csv, json). In each of them host-sim follows the
+    /// boxes of --init (the same in all), else the targets that `view` keeps beside it (SEQ.smr.json), else the box beside it. If a recording
+    /// cannot be read to its end, the table has the others, and the exit code is 2. Of two recordings of one name the second is called `a (2)`.
+    #[arg(value_name = "SEQ", required = true)]
+    sequences: Vec<PathBuf>,
+    /// The tracker, or a simpler method for comparison [default: that of --config, else that of the session of `view`, else robust]
+    ///
+    /// A session also has options of its method. They count only without --method and without any tracker option on the command line.
     #[arg(long, value_enum)]
     method: Option<MethodKind>,
-    /// The format of the printed boxes [default: tld; csv for several targets or with --pixels-per-metre]
+    /// The format of the printed boxes [default: tld; csv for several targets or recordings, or with --pixels-per-metre]
     ///
-    /// Formats for several targets: csv, json, mot, coco, cvat. coco and cvat files are valid only after the last frame.
+    /// Formats for several recordings in one file: csv, json. Formats for several targets: csv, json, mot, coco, cvat. coco and cvat files are valid only after the last frame.
     #[arg(long, value_enum)]
     format: Option<Format>,
     /// Print one JSON object for each frame: --format json
     ///
-    /// Its keys: version, method, options (only those given), target (if it has a name), frame (as the recording counts), state, box (whole
+    /// Its keys: recording (of several), version, method, options (only those given), target (if it has a name), frame (as the recording counts), state, box (whole
     /// pixels), fine (with fractions), confidence, ratio, runner_up_ratio, alpha, identity, scale, found_again, work and quality. A value that the
     /// method does not compute is null, and so are both boxes while the target is lost.
     #[arg(long, conflicts_with = "format")]
@@ -49,7 +52,10 @@ pub struct Track {
     ///
     /// Without --format the extension selects the format: .csv, .json, .jsonl or .xml (cvat). Files that end in .txt or have no extension
     /// accept every format. -o boxes.mp4 is the same as --video boxes.mp4: the boxes are then printed.
-    #[arg(long, short, value_name = "FILE")]
+    ///
+    /// Of several recordings, FILE has those that were followed to their end. DIR, a folder that is there or a name without an extension, gets
+    /// a file for each recording, with its name.
+    #[arg(long, short, value_name = "FILE|DIR")]
     out: Option<PathBuf>,
     /// Also draw the boxes over the frames: .mp4, .mov, .mkv or .webm (they need ffmpeg), or a new folder for PNG pictures
     ///
@@ -58,6 +64,8 @@ pub struct Track {
     /// hundredths; names and states of several targets stand at their boxes; □ stands for letters that are not Latin, Greek, Cyrillic, Armenian or Georgian. The video keeps the recording's colors and, if the recording is a video,
     /// frame times and sound. On a terminal host-sim prints only when a target is lost or found. If the reader of the printed boxes ends
     /// (`| head`), host-sim still finishes the video.
+    ///
+    /// Of several recordings, DIR gets a video (.mp4) for each, with its name.
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
     /// The parts drawn in the video, separated by commas [default: box,name]
@@ -100,97 +108,37 @@ impl Track {
         (self.out.as_ref().filter(|out| !is_film(out)), films)
     }
 
-    pub fn run(self) -> Result<Outcome> {
-        let (boxes, films) = self.outputs();
-        let places = Places::of([&self.sequence]).writes("--out", boxes, Some(BOXES));
-        films.iter().fold(places, |places, (option, film)| places.writes(option, Some(film), Some(FILM))).check()?;
-        let method = self.method.or_else(|| self.tracker.method());
-        let variant = self.tracker.variant(method.unwrap_or(MethodKind::Robust))?;
-        let kept = self.recording.kept(&self.sequence)?;
-        let variant = self.of_session(kept.as_ref())?.unwrap_or(variant);
-        let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence, true, kept.as_ref())?;
-        let cropped = self.cropped(&targets)?;
-        let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
-        let format = self.format(targets.len())?;
-        let about = About {
-            name: sequence.name.clone(),
-            origin: variant.origin(),
-            targets: targets.iter().map(|target| target.name.clone()).collect(),
-            images: sequence.source.image_names(),
-            pixels_per_metre: self.pixels_per_metre.map(|metre| metre.resized(sequence.scale)),
-        };
-        let printer = Printer::new(format, about);
+    /// Errors: Options contradict each other, or one is out of range.
+    fn check(&self) -> Result<()> {
+        let (_, films) = self.outputs();
         ensure!(films.len() < 2, "--out and --video both name a video: expected one of them");
-        let film = films.first().map(|&(_, film)| film);
         ensure!(
-            film.is_some() || (self.draw.is_empty() && self.crop.is_none()),
+            !films.is_empty() || (self.draw.is_empty() && self.crop.is_none()),
             "--draw and --crop are of a video: expected --video FILE, too"
         );
         ensure!(
             self.draw.len() < 2 || !self.draw.contains(&Mark::Nothing),
             "--draw nothing stands alone: expected no other mark"
         );
-        // With a video, a terminal shows only events, because lines of numbers would hide the events.
-        let events = (film.is_some() && boxes.is_none() && stdout().is_terminal()).then(|| Events::new(targets.len()));
-        let mut lines = match boxes {
-            _ if events.is_some() => Lines::Unread,
-            None => Lines::Printed { goes_on: film.is_some() },
-            Some(file) => Lines::File(Output::create(file)?),
-        };
-        let live = sequence.source.live();
-        if live.is_some() {
-            // Ctrl-C is the usual end of a live source, so it must not lose the results.
-            signals::stop_first();
-        }
-        let bar = self.bar(&sequence, film, events.is_some() || boxes.is_some() || !stdout().is_terminal());
-        let (length, truth) = (sequence.length, sequence.truth.as_ref().map(Vec::len));
-        let misfit = |frames| truth.and_then(|boxes| misfit(frames, boxes));
-        if let Some(misfit) = length.and_then(misfit) {
-            complain(&format!("warning: {}: {misfit}", sequence.name));
-        }
-        let film =
-            film.map(|out| Ok::<_, Error>((out.clone(), self.film(out, &mut sequence, cropped)?))).transpose()?;
-        let sequence = if film.is_some() { sequence.in_color(self.recording.ffmpeg_patience()) } else { sequence };
-        lines.write(&printer.head())?;
-        let last = sequence.first - 1;
-        let boxes_of = kept.map_or_else(|| "--init".to_owned(), |kept| kept.file);
-        let mut pass = Pass {
-            name: sequence.name,
-            boxes_of,
-            targets,
-            printer,
-            lines,
-            events,
-            film,
-            bar,
-            live,
-            drops: false,
-            last,
-        };
-        for frame in sequence.frames {
-            pass.frame(frame?)?;
-        }
-        if let Some(misfit) = misfit(pass.last + 1 - sequence.first).filter(|_| length.is_none()) {
-            pass.warn(&misfit);
-        }
-        pass.finish(sequence.first)?;
-        Ok(Outcome::Holds)
+        // An invalid option is reported once here, not for each recording.
+        self.recording.check_init()?;
+        self.given_variant().map(drop)
     }
 
-    /// Method and options of the session, if the command line has neither.
-    fn of_session(&self, kept: Option<&Kept>) -> Result<Option<Variant>> {
-        let is_given = self.method.is_some() || !self.tracker.says_nothing();
-        let Some(kept) = kept.filter(|_| !is_given) else { return Ok(None) };
-        let variant = kept.variant()?;
-        if let Some(note) = kept.note_of_method() {
-            complain(&note);
-        }
-        Ok(Some(variant))
+    /// Method and options of the command line, `robust` without any.
+    fn given_variant(&self) -> Result<Variant> {
+        let method = self.method.or_else(|| self.tracker.method());
+        self.tracker.variant(method.unwrap_or(MethodKind::Robust))
     }
 
-    /// Errors: The format cannot name several targets, or the extension of the output file belongs to another format.
-    fn format(&self, targets: usize) -> Result<Format> {
-        let usual = if targets > 1 || self.pixels_per_metre.is_some() { Format::Csv } else { Format::Tld };
+    /// True if the command line has a method, or an option of one. Those of the session do not count then.
+    fn has_method(&self) -> bool {
+        self.method.is_some() || !self.tracker.says_nothing()
+    }
+
+    /// Returns the format of the boxes, `usual` if no option selects it. Errors: The extension of the output file belongs
+    /// to another format.
+    fn format(&self, usual: Format) -> Result<Format> {
         let of_file = self.out.as_ref().and_then(|out| Format::of_file(out));
         let format = if self.json { Format::Json } else { self.format.or(of_file).unwrap_or(usual) };
         if let Some(out) = self.out.as_ref().filter(|out| of_file.is_some() && !format.is_called(out)) {
@@ -203,23 +151,17 @@ impl Track {
             "--pixels-per-metre with --format {}: expected csv, which has columns in metres",
             choice_name(&format)
         );
-        ensure!(
-            targets <= 1 || format.has_names(),
-            "--format {}: this format cannot name {targets} targets: expected csv, json, mot, coco or cvat",
-            choice_name(&format)
-        );
         Ok(format)
     }
 
-    /// Creates the progress bar. `is_shown` is false if printed lines on the same terminal show the progress.
-    fn bar(&self, sequence: &Sequence, film: Option<&PathBuf>, is_shown: bool) -> Bar {
-        if !is_shown || !stderr().is_terminal() {
-            return Bar::hidden();
+    /// Number of frames to be read, if known; `None` also if no progress is shown.
+    fn length(&self, sequence: &Sequence) -> Option<usize> {
+        if !stderr().is_terminal() {
+            return None;
         }
         let whole = || sequence.source.length(self.recording.ffmpeg_patience());
         let part = |length| self.recording.frames().map_or(length, |part| part.length_of(length));
-        let name = film.map_or_else(|| sequence.name.clone(), |film| film.display().to_string());
-        progress::bar(&name, sequence.length.or_else(|| whole().map(part)))
+        sequence.length.or_else(|| whole().map(part))
     }
 
     /// Returns the index and the first box of the target that the video is cropped to, if it is. Errors: there is no such target.
@@ -244,4 +186,14 @@ impl Track {
         let look = Look { marks, cropped };
         AnswersVideo::create(out, plan, sequence.truth.take().unwrap_or_default(), &self.ids, look)
     }
+}
+
+/// Errors: The format cannot name several targets.
+fn check_names(format: Format, targets: usize) -> Result<()> {
+    ensure!(
+        targets <= 1 || format.has_names(),
+        "--format {}: this format cannot name {targets} targets: expected csv, json, mot, coco or cvat",
+        choice_name(&format)
+    );
+    Ok(())
 }

@@ -279,6 +279,7 @@ impl Requests for Desk {
         let is_named = targets.len() > 1;
         let about = About {
             name: viewer.name.clone(),
+            is_one_of_several: false,
             origin: followed.variant().origin(),
             targets: targets.iter().map(|(target, _)| is_named.then(|| target.name.clone())).collect(),
             images: self.images.clone(),

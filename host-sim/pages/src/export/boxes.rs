@@ -28,8 +28,8 @@ pub enum Format {
     /// MOTChallenge: frame,number of the target,x,y,width,height,confidence,-1,-1,-1, the first pixel being 1; no line if it is lost
     Mot,
     /// Names in the first line, then frame, time in seconds, box, state, the figures behind it, the box's centre and its speed in pixels a second since the
-    /// target's frame before (with --pixels-per-metre also in metres); empty where there are none. With names of targets the first column is the target.
-    /// Frames before its box have no line
+    /// target's frame before (with --pixels-per-metre also in metres); empty where there are none. With names of targets the first column is the target,
+    /// of several recordings the second, after the recording. Frames before its box have no line
     Csv,
     /// One object for each frame, as --json
     Json,
@@ -72,6 +72,8 @@ impl Format {
 /// The recording and its targets, as known before the first frame.
 pub struct About {
     pub name: String,
+    /// True if the file has several recordings: CSV and JSON then say the recording and the target of each answer.
+    pub is_one_of_several: bool,
     pub origin: Origin,
     /// Name of each target; `None` for a single target without a name.
     pub targets: Vec<Option<String>>,
@@ -119,8 +121,9 @@ impl Printer {
     pub fn head(&self) -> String {
         match self.format {
             Format::Csv => {
+                let recording = if self.about.is_one_of_several { "recording," } else { "" };
                 let metres = self.about.pixels_per_metre.map_or("", |_| METRE_NAMES);
-                format!("{}{CSV_NAMES}{metres}\n", if self.is_named() { "target," } else { "" })
+                format!("{recording}{}{CSV_NAMES}{metres}\n", if self.is_named() { "target," } else { "" })
             }
             Format::Coco => coco::head(&self.about),
             _ => String::new(),
@@ -128,7 +131,12 @@ impl Printer {
     }
 
     fn is_named(&self) -> bool {
-        self.about.targets.iter().any(Option::is_some)
+        self.about.is_one_of_several || self.about.targets.iter().any(Option::is_some)
+    }
+
+    /// Name of the recording, if the file has several.
+    fn recording(&self) -> Option<&str> {
+        self.about.is_one_of_several.then_some(&*self.about.name)
     }
 
     /// Returns the text of an answer; empty if the format has no line for it.
@@ -143,11 +151,12 @@ impl Printer {
             Format::Got10k => Form::Vot,
             Format::Mot => return Ok(mot(answer)),
             Format::Csv => {
+                let recording = self.recording().map_or(String::new(), |name| csv_text(name) + ",");
                 let name =
                     if self.is_named() { self.about.label(answer.target).to_owned() + "," } else { String::new() };
-                let way = self.way(answer);
-                let scale = self.about.pixels_per_metre;
-                return Ok(answer.report.map_or(String::new(), |report| name + &csv_line(answer, report, way, scale)));
+                let (way, scale) = (self.way(answer), self.about.pixels_per_metre);
+                let line = |report| recording + &name + &csv_line(answer, report, way, scale);
+                return Ok(answer.report.map_or(String::new(), line));
             }
             Format::Json => return self.json(answer),
             Format::Coco => return self.coco.annotation(answer),
@@ -184,8 +193,9 @@ impl Printer {
         };
         let evidence = report.evidence.as_ref();
         let line = serde_json::to_string(&JsonLine {
+            recording: self.recording(),
             origin: &self.about.origin,
-            target: self.about.targets[target].as_deref(),
+            target: self.is_named().then(|| self.about.label(target)),
             frame,
             time: time.map(rounded),
             state: name_of(report.state),
@@ -226,6 +236,8 @@ impl Way {
 /// One answer as JSON. Boxes are null if the target is lost, and values that the method does not compute are null.
 #[derive(Serialize)]
 struct JsonLine<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recording: Option<&'a str>,
     #[serde(flatten)]
     origin: &'a Origin,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -270,6 +282,11 @@ fn mot(&Answer { target, frame, report, .. }: &Answer<'_>) -> String {
 /// Returns the confidence; 1 for a box that the user gave, or from a method that computes no confidence.
 fn score(report: &MethodAnswer) -> f64 {
     report.confidence().map_or(1.0, rounded)
+}
+
+/// Returns a text as a field of CSV (RFC 4180): in quotes, if it has a comma or a quote.
+fn csv_text(text: &str) -> String {
+    if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
 fn csv_line(answer: &Answer<'_>, report: &MethodAnswer, way: Option<Way>, scale: Option<(f64, f64)>) -> String {
@@ -318,7 +335,9 @@ mod tests {
     fn printer(format: Format, method: MethodKind, targets: &[Option<&str>]) -> Printer {
         let origin = Variant::new(method, &Configs::from(paper::Config::paper())).origin();
         let targets = targets.iter().map(|name| name.map(str::to_owned)).collect();
-        let about = About { name: "a & b".to_owned(), origin, targets, images: Vec::new(), pixels_per_metre: None };
+        let name = "a & b".to_owned();
+        let about =
+            About { name, is_one_of_several: false, origin, targets, images: Vec::new(), pixels_per_metre: None };
         Printer::new(format, about)
     }
 
@@ -383,6 +402,26 @@ mod tests {
         assert_eq!(named(Format::Csv).line(&of).unwrap(), "car,120,4.8,1,2,3,4,tracking,,,,,,,,2.5,4,\n");
         assert!(named(Format::Json).line(&of).unwrap().contains(r#""target":"car","frame":120,"time":4.8,"#));
         assert_eq!(named(Format::Mot).line(&of).unwrap(), "120,2,2,3,3,4,1,-1,-1,-1\n");
+    }
+
+    #[test]
+    fn lines_of_several_recordings_begin_with_the_recording() {
+        let report = MethodAnswer::locked(Rect::new(1, 2, 3, 4));
+        let line = |format, name: &str, target| {
+            let mut printer = printer(format, MethodKind::Robust, &[target]);
+            printer.about = About { name: name.to_owned(), is_one_of_several: true, ..printer.about };
+            (printer.head(), printer.line(&answer(0, 7, Some(&report))).unwrap())
+        };
+        let (head, named) = line(Format::Csv, "day 1, \"cage\"", Some("car"));
+        assert_eq!(head, format!("recording,target,{CSV_NAMES}"));
+        assert_eq!(named, "\"day 1, \"\"cage\"\"\",car,7,,1,2,3,4,tracking,,,,,,,,2.5,4,\n");
+        // A target without a name has one here, so that all lines have the same columns.
+        assert_eq!(line(Format::Csv, "a", None), (head, "a,target,7,,1,2,3,4,tracking,,,,,,,,2.5,4,\n".to_owned()));
+        let (_, json) = line(Format::Json, "a", None);
+        assert!(
+            json.starts_with("{\"recording\":\"a\",\"version\":") && json.contains("\"target\":\"target\",\"frame\":7"),
+            "{json}"
+        );
     }
 
     #[test]

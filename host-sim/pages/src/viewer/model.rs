@@ -45,10 +45,15 @@ impl Target {
         (1..).zip(given).map(target).collect()
     }
 
+    /// Returns the name; `target` and the id if the user has given none.
+    pub fn name(&self) -> String {
+        if self.name.is_empty() { format!("target{}", self.id) } else { self.name.clone() }
+    }
+
     /// Returns the target as trackers take it, its boxes in the order of their frames. Errors: The name has other letters
     /// than a name may have, two locks are in one frame, or the target is gone twice, or before its first box.
     pub fn given(&self) -> Result<smr_recordings::Target> {
-        let name = if self.name.is_empty() { format!("target{}", self.id) } else { checked_name(&self.name)? };
+        let name = checked_name(&self.name())?;
         let start = |lock: &Lock| (lock.frame, lock.rect().map(Into::into));
         let mut starts: Vec<_> = self.locks.iter().map(start).collect();
         starts.sort_by_key(|(frame, _)| *frame);

@@ -12,6 +12,8 @@ pub enum Lines {
         goes_on: bool,
     },
     File(Output),
+    /// Text that is printed when the recording is done, and not at all after an error.
+    Kept(String),
     Unread,
 }
 
@@ -23,6 +25,7 @@ impl Lines {
                 printed => printed?,
             },
             Self::File(file) => file.write(text.as_bytes())?,
+            Self::Kept(kept) => kept.push_str(text),
             Self::Unread => {}
         }
         Ok(())
@@ -32,7 +35,12 @@ impl Lines {
         if let Self::File(file) = self { file.settle() } else { Ok(()) }
     }
 
-    pub fn finish(self) -> Result<()> {
-        if let Self::File(file) = self { file.finish() } else { Ok(()) }
+    /// Ends the output, and returns the text that is kept.
+    pub fn finish(self) -> Result<String> {
+        match self {
+            Self::File(file) => file.finish().map(|()| String::new()),
+            Self::Kept(kept) => Ok(kept),
+            Self::Printed { .. } | Self::Unread => Ok(String::new()),
+        }
     }
 }

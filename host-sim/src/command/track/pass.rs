@@ -18,22 +18,27 @@ use std::sync::Arc;
 const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
 
 /// State of a run through a recording: all targets, and the outputs.
-pub struct Pass {
+pub struct Pass<'a> {
     pub name: String,
     /// The option or the file that gave the boxes.
     pub boxes_of: String,
+    /// True if lines about events begin with the name of the recording.
+    pub is_one_of_several: bool,
     pub targets: Vec<Follower>,
     pub printer: Printer,
     pub lines: Lines,
     pub events: Option<Events>,
-    pub film: Option<(PathBuf, AnswersVideo)>,
-    pub bar: Bar,
+    pub film: Option<(AnswersVideo, PathBuf)>,
+    /// Progress of all recordings.
+    pub bar: &'a Bar,
     pub live: Option<Arc<Arrivals>>,
     pub drops: bool,
     pub last: usize,
+    /// Number of frames that are followed.
+    pub done: usize,
 }
 
-impl Pass {
+impl Pass<'_> {
     pub fn frame(&mut self, frame: Frame) -> Result<()> {
         let (number, time, gray) = (frame.number, frame.seconds, &frame.gray);
         if self.live.as_ref().is_some_and(|live| live.dropped() > 0) && !self.drops {
@@ -55,19 +60,20 @@ impl Pass {
             self.lines.write(&self.printer.line(&answer)?)?;
             let told = self.events.as_mut().zip(report.as_ref());
             if let Some(event) = told.and_then(|(events, report)| events.of(at, locks, number, time, report.state)) {
-                happened.push(name.map_or_else(|| event.clone(), |name| format!("{name}: {event}")));
+                happened.push((name.map(str::to_owned), event));
             }
             shown.push(Shown { name, report });
         }
-        self.film.as_mut().map_or(Ok(()), |(_, film)| film.frame(frame, &shown))?;
-        for line in happened {
-            self.bar.suspend(|| print(|out| writeln!(out, "{line}")))?;
+        self.film.as_mut().map_or(Ok(()), |(film, _)| film.frame(frame, &shown))?;
+        let warning = warning(&poor);
+        for (name, event) in happened {
+            self.bar.suspend(|| print(|out| writeln!(out, "{}{event}", self.heading(name.as_deref()))))?;
         }
-        if let Some(warning) = warning(&poor) {
+        if let Some(warning) = warning {
             self.warn(&warning);
         }
         self.bar.inc();
-        self.last = number;
+        (self.last, self.done) = (number, self.done + 1);
         Ok(())
     }
 
@@ -75,17 +81,24 @@ impl Pass {
         self.bar.suspend(|| complain(&format!("warning: {}: {what}", self.name)));
     }
 
+    /// Returns the beginning of a line about a target: the recording, if there are several, and the target's name.
+    fn heading(&self, target: Option<&str>) -> String {
+        let recording = self.is_one_of_several.then_some(&*self.name);
+        recording.into_iter().chain(target).map(|name| format!("{name}: ")).collect()
+    }
+
     fn say_end(&self, live: &Arrivals) {
         if let Some(reason) = live.ended() {
             self.warn(&format!("it has ended: {reason}"));
         }
         let (name, dropped) = (&self.name, live.dropped());
-        let came = self.bar.done() + dropped as u64;
+        let came = self.done + dropped;
         complain(&format!("{name}: {came} frames came, {dropped} of them were dropped"));
     }
 
-    /// Errors: A box is for a frame after the last frame of a recording that is not live.
-    pub fn finish(mut self, first: usize) -> Result<()> {
+    /// Ends the outputs, and returns the text of lines that are kept. Errors: A box is for a frame after the last frame of
+    /// a recording that is not live.
+    pub fn finish(mut self, first: usize) -> Result<String> {
         self.bar.clear();
         let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, target.name.as_ref())));
         if let Some(live) = &self.live {
@@ -97,24 +110,27 @@ impl Pass {
         }
         self.lines.write(&self.printer.foot()?)?;
         self.lines.settle()?;
-        if let Some((name, film)) = self.film {
+        if let Some((film, name)) = self.film.take() {
             if let Some(note) = film.finish()? {
-                complain(&format!("note: {note}"));
+                self.bar.suspend(|| complain(&format!("note: {note}")));
             }
-            let written = format!("{}: {} frames", name.display(), self.bar.done());
-            match self.events {
-                Some(events) => print(|out| write!(out, "{written}\n{}", ends(&self.targets, &events)))?,
-                None if !self.bar.is_hidden() => complain(&written),
+            let written = format!("{}: {} frames", name.display(), self.done);
+            match &self.events {
+                Some(events) => {
+                    self.bar.suspend(|| print(|out| write!(out, "{written}\n{}", self.ends(events))))?;
+                }
+                None if !self.bar.is_hidden() => self.bar.suspend(|| complain(&written)),
                 None => {}
             }
         }
         self.lines.finish()
     }
-}
 
-fn ends(targets: &[Follower], events: &Events) -> String {
-    let name = |target: &Follower| target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
-    targets.iter().enumerate().map(|(at, target)| format!("{}{}\n", name(target), events.sum(at))).collect()
+    fn ends(&self, events: &Events) -> String {
+        let line =
+            |(at, target): (usize, &Follower)| format!("{}{}\n", self.heading(target.name.as_deref()), events.sum(at));
+        self.targets.iter().enumerate().map(line).collect()
+    }
 }
 
 fn warning(poor: &[Option<&str>]) -> Option<String> {

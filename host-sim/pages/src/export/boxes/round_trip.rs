@@ -80,8 +80,15 @@ fn any_target() -> impl Strategy<Value = Vec<Cell>> {
 
 fn written(format: Format, names: &[Option<String>], targets: &[Vec<Cell>]) -> String {
     let origin = Variant::new(MethodKind::Paper, &Configs::from(paper::Config::paper())).origin();
-    let (name, named) = ("a".to_owned(), names.to_vec());
-    let about = About { name, origin, targets: named, images: Vec::new(), pixels_per_metre: None };
+    let (name, targets_named) = ("a".to_owned(), names.to_vec());
+    let about = About {
+        name,
+        is_one_of_several: false,
+        origin,
+        targets: targets_named,
+        images: Vec::new(),
+        pixels_per_metre: None,
+    };
     let mut printer = Printer::new(format, about);
     let mut text = printer.head();
     for frame in 1..=targets[0].len() {
