@@ -214,6 +214,46 @@ fn a_length_is_kept_with_its_line_and_adds_the_columns_that_track_has() {
 }
 
 #[test]
+fn several_recordings_have_a_page_each_and_offer_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let clips = ["a <1>.y4m", "b.y4m", "cut.y4m"].map(|name| utf8(&folder.path().join(name)).to_owned());
+    for clip in &clips {
+        assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..3", "-o", clip]).code, Some(0));
+    }
+    fs::write(&clips[2], "YUV4MPEG2 W1").unwrap();
+    let viewer = Viewer::open(&[folder.path()]);
+    let (status, head, _) = viewer.asked(&format!("GET /{}/", viewer.token), "", "");
+    assert!(status == 307 && head.contains("\r\nlocation: 1/\r\n"), "{head}");
+    let page = viewer.text("1/");
+    assert!(page.contains("<b aria-current=\"page\">a &lt;1&gt;</b>"), "{page}");
+    assert!(page.contains("<a href=\"../2/\">b</a>") && page.contains("<datalist id=\"names\"></datalist>"));
+    assert_eq!(
+        (viewer.get("1/page/list.js").0, viewer.get("2/frames/3.jpg").0, viewer.json("2/source")["name"].clone()),
+        (200, 200, json!("b"))
+    );
+    assert_eq!(viewer.post("2/targets", &target(&[(2, [37, 24, 24, 28])])).0, 200);
+    assert!(
+        Path::new(&format!("{}.smr.json", clips[1])).exists() && !Path::new(&format!("{}.smr.json", clips[0])).exists()
+    );
+    assert!(viewer.text("1/").contains("<small>car</small>") && viewer.text("1/").contains("<option value=\"car\">"));
+    assert!(viewer.text("2/").contains("<datalist id=\"names\"></datalist>"), "its own names are in the list");
+    assert_eq!(viewer.json("1/source")["targets"], json!([]));
+    let (status, said) = viewer.get("3/source");
+    assert!(status == 400 && viewer.get("3/").0 == 200, "{}", String::from_utf8_lossy(&said));
+    for nothing in ["0/source", "4/source", "source", "2", "x/source"] {
+        assert_eq!(viewer.get(nothing).0, 404, "{nothing}");
+    }
+    drop(viewer);
+    assert!(!Viewer::open(&[&clips[1]]).text("").contains("<nav"));
+    for option in [["--init", "1,2,3,4"], ["--session", "a.json"], ["--boxes", "b.csv"]] {
+        let refused = host_sim(&[&["view", "--no-open", &clips[0], &clips[1]], &option[..]].concat());
+        refused.refuses(&[option[0], "is of one recording"]);
+    }
+    host_sim(&["view", "--no-open", &clips[0], "-"]).refuses(&["- is followed alone"]);
+    host_sim(&["view", "--no-open", &clips[0], &clips[1], "--set", "reach=99"]).refuses(&["reach is 4 to 8"]);
+}
+
+#[test]
 fn a_recording_without_a_command_opens_the_viewer() {
     for arguments in [["synthetic", "--no-open", "--json"], ["--no-open", "--json", "synthetic"]] {
         let mut command = Command::new(PROGRAM);

@@ -30,7 +30,7 @@ function line(target, isChosen, { choose, remove, rename }) {
 }
 
 function nameField(target, rename) {
-  const field = htmlNode("input", { type: "text", maxlength: 40, value: target.name, "aria-label": `Name of ${target.name}` });
+  const field = htmlNode("input", { type: "text", maxlength: 40, list: "names", value: target.name, "aria-label": `Name of ${target.name}` });
   field.addEventListener("change", () => {
     // Shows the old name again: if the new name is refused or empty, the list may not be redrawn.
     rename(target, field.value);

@@ -30,6 +30,7 @@ before(() => {
     folder = mkdtempSync(join(tmpdir(), "smr-viewer-"));
     mkdirSync(PACKAGE, { recursive: true });
     assert.equal(host("convert", "synthetic", "--out", "clip.y4m").status, 0);
+    assert.equal(host("convert", "synthetic", "--frames", "..20", "--out", "second clip.y4m").status, 0);
     browser = new Browser();
   }
 });
@@ -714,6 +715,28 @@ onViewer("another page of the same host-sim has the same targets", async (page, 
   assert.equal(await other.value(`document.getElementById("said").hidden`), true);
   await other.close();
 });
+
+onViewer("several recordings have a page each, and the names of the others are offered", async (page) => {
+  const recordings = `document.querySelector("nav").textContent.trim().split(/\\s*\\n/)`;
+  const field = `document.querySelector("#targets [type=text]")`;
+  assert.deepEqual(await page.value(`[...${recordings}, document.querySelector("nav [aria-current]").textContent, document.getElementById("name").textContent]`), ["clip", "second clip", "clip", "clip"]);
+  await dragBox(page, BOX);
+  await commands(page, /36,24,24,28/);
+  await page.value(`{ ${field}.value = "mouse"; ${field}.dispatchEvent(new Event("change")); }`);
+  await page.until(`fetch("source").then((answer) => answer.json()).then(({ targets }) => targets[0].name === "mouse")`);
+  await page.click("nav a");
+  await page.until(`document.getElementById("name")?.textContent === "second clip" && document.getElementById("place").value !== ""`);
+  assert.deepEqual(await page.value(recordings), ["clip mouse", "second clip"]);
+  assert.equal(await page.value(`document.querySelectorAll("#targets li").length`), 0, "each has its own session");
+  await dragBox(page, BOX);
+  await commands(page, /36,24,24,28/);
+  assert.equal(await page.value(`[...${field}.list.options].map(({ value }) => value).join()`), "mouse");
+  writeFileSync(join(PACKAGE, "viewer-several.png"), await page.image());
+  await page.click("nav a");
+  await page.until(`document.getElementById("name")?.textContent === "clip" && ${field}?.value === "mouse"`);
+  assert.deepEqual(await page.value(recordings), ["clip mouse", "second clip target1"]);
+  rmSync(join(folder, "second clip.y4m.smr.json"));
+}, { words: ["clip.y4m", "second clip.y4m"] });
 
 test("when host-sim has ended, the viewer says so; opened again, it shows what was drawn where the user was", { skip: why ?? false }, async () => {
   rmSync(join(folder, SESSION), { force: true });

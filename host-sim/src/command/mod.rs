@@ -64,6 +64,7 @@ enum Command {
     /// once. host-sim serves the page until you end it (Ctrl-C).
     #[command(after_help = "Examples:
   host-sim view clip.mp4
+  host-sim view day1.mp4 day2.mp4 day3.mp4
   host-sim view sequences/car --no-open")]
     View(view::View),
     /// Print the target's box in every frame

@@ -1,6 +1,7 @@
 //! `host-sim view`: serves a page in the browser, on which boxes are drawn, tracked and corrected.
 
-use super::paths::Places;
+use super::names::apart;
+use super::paths::{Places, several};
 use super::session::{typed, variant_of};
 use super::tracker_options::{Pair, TrackerOptions};
 use super::{Outcome, say, shell, whole};
@@ -15,11 +16,11 @@ use smr_files::output::complain;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::export::{FILM_ENDINGS, PixelsPerMetre};
 use smr_pages::viewer::{
-    Camera, Followed, Growing, Job, Length, Lock, Look, Made, Requests, Server, Session, Source, Target, Viewer, Work,
-    check_inside, plain, session_beside,
+    Camera, Followed, Growing, Job, Length, Lock, Look, Made, Requests, Server, Session, Several, Source, Target,
+    Viewer, Work, check_inside, plain, session_beside,
 };
 use smr_recordings::annotations::{self, Labelled};
-use smr_recordings::{FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
+use smr_recordings::{FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable, name_of};
 use std::ffi::OsString;
 use std::io::Write;
 use std::num::NonZeroU16;
@@ -29,9 +30,12 @@ use std::time::Duration;
 
 #[derive(Debug, clap::Args)]
 pub struct View {
-    /// The recording, a camera (/dev/video0), an address (rtsp://...), or `-` (Y4M from standard input)
-    #[arg(value_name = "SEQ")]
-    source: PathBuf,
+    /// The recordings, or folders of recordings; or one camera (/dev/video0), address (rtsp://...), or `-` (Y4M from standard input)
+    ///
+    /// Several recordings have a page each, with links to the others above its heading. A recording is opened when its page is, and has its
+    /// own session. The names of the targets in the others are offered. `track` then follows all in one call.
+    #[arg(value_name = "SEQ", required = true)]
+    sources: Vec<PathBuf>,
     /// The tracker that follows the targets [default: that of --config, else robust]
     #[arg(long, value_enum)]
     method: Option<MethodKind>,
@@ -90,16 +94,54 @@ struct Opened {
 
 impl View {
     pub fn run(self) -> Result<Outcome> {
-        Places::of([&self.source]).writes("--session", self.session.as_ref(), None).check()?;
+        Places::of(&self.sources).writes("--session", self.session.as_ref(), None).check()?;
+        // An invalid option ends the program, not only one of several pages.
+        self.variant()?;
+        let server = Server::bind()?;
+        let (is_json, opens) = (self.json, !self.no_open);
+        match several(&self.sources, false)? {
+            None => {
+                let viewer = self.viewer(&self.sources[0])?;
+                show(&server.address(), is_json, opens.then_some(&viewer.made))?;
+                viewer.serve(server)?;
+            }
+            Some(found) => {
+                self.check_for_several()?;
+                let made = Made::new()?;
+                show(&server.address(), is_json, opens.then_some(&made))?;
+                let names = apart(found.iter().map(|path| name_of(path)).collect());
+                Several::new(found.into_iter().zip(names), move |path| self.viewer(path)).serve(server)?;
+            }
+        }
+        Ok(Outcome::Holds)
+    }
+
+    /// Method and options of the command line, `robust` without any.
+    fn variant(&self) -> Result<Variant> {
         let method = self.method.or_else(|| self.tracker.method());
-        let given = self.tracker.variant(method.unwrap_or(MethodKind::Robust))?;
-        let Opened { name, source, images, length, counted, beside } = self.open()?;
+        self.tracker.variant(method.unwrap_or(MethodKind::Robust))
+    }
+
+    /// Errors: An option is of one recording.
+    fn check_for_several(&self) -> Result<()> {
+        let of_one = [
+            ("--init", !self.init.is_empty()),
+            ("--boxes", self.boxes.is_some()),
+            ("--session", self.session.is_some()),
+        ];
+        let given = of_one.into_iter().find(|(_, is_given)| *is_given);
+        given.map_or(Ok(()), |(option, _)| bail!("{option} is of one recording: expected one SEQ with it"))
+    }
+
+    fn viewer(&self, path: &Path) -> Result<Viewer> {
+        let given = self.variant()?;
+        let Opened { name, source, images, length, counted, beside } = self.open(path)?;
         let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.gray;
         let size = (first.width, first.height);
         let labelled = Labelled { name: &name, size, frames: counted };
         let targets = self.targets(beside, length, &labelled).with_context(|| name.clone())?;
         let is_live = source.live().is_some();
-        let session_file = self.session.clone().or_else(|| session_beside(&self.source));
+        let session_file = self.session.clone().or_else(|| session_beside(path));
         let place = session_file.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
         let (session, work) = Session::open(session_file, &name)?;
         // Name of the file that the targets come from, for error messages.
@@ -123,11 +165,8 @@ impl View {
             check_inside(targets.iter().flat_map(Target::named_locks), size).with_context(|| from.clone())?;
         }
         let followed = Arc::new(Followed::new(variant, targets, source.as_ref()).with_context(|| from)?);
-        let made = Arc::new(Made::new()?);
-        let server = Server::bind()?;
-        let address = server.address();
-        let words = self.words();
-        let viewer = Viewer {
+        let words = self.words(path);
+        Ok(Viewer {
             name,
             size,
             words: shell::line(words.iter().map(OsString::as_os_str)),
@@ -135,24 +174,14 @@ impl View {
             place,
             source,
             followed,
-            made: Arc::clone(&made),
+            made: Arc::new(Made::new()?),
             requests: Box::new(Desk { words, images }),
             session,
             made_by: self.made_by(),
-        };
-        say(|out| match self.json {
-            true => writeln!(out, "{}", serde_json::json!({ "address": address })),
-            false => writeln!(out, "{address}\nCtrl-C ends it."),
-        })?;
-        if !self.no_open && made.door(&address).and_then(|door| Ok(open::that_detached(door)?)).is_err() {
-            complain("note: no browser could be opened: open the address above yourself");
-        }
-        viewer.serve(server)?;
-        Ok(Outcome::Holds)
+        })
     }
 
-    fn open(&self) -> Result<Opened> {
-        let path = &self.source;
+    fn open(&self, path: &Path) -> Result<Opened> {
         let patience = self.ffmpeg_timeout.map(|seconds| Duration::from_secs(seconds.get().into()));
         let is_stdin = path == Path::new("-");
         if is_stdin || is_live(path) {
@@ -241,13 +270,26 @@ impl View {
         format!("host-sim {}{size}{levels}", env!("CARGO_PKG_VERSION"))
     }
 
-    fn words(&self) -> Vec<OsString> {
+    fn words(&self, path: &Path) -> Vec<OsString> {
         let size = self.size.map(|size| ["--size".into(), size.to_string().into()]);
         let levels = self.levels.map(|levels| ["--levels".into(), levels.to_string().into()]);
         let timeout = self.ffmpeg_timeout.map(|seconds| ["--ffmpeg-timeout".into(), seconds.to_string().into()]);
-        let path = shell::file(&self.source).into_os_string();
+        let path = shell::file(path).into_os_string();
         std::iter::once(path).chain(size.into_iter().chain(levels).chain(timeout).flatten()).collect()
     }
+}
+
+/// Prints the address, and opens a browser with it if `made` has a place for a private file.
+fn show(address: &str, is_json: bool, made: Option<&Made>) -> Result<()> {
+    say(|out| match is_json {
+        true => writeln!(out, "{}", serde_json::json!({ "address": address })),
+        false => writeln!(out, "{address}\nCtrl-C ends it."),
+    })?;
+    let opened = made.map(|made| made.door(address).and_then(|door| Ok(open::that_detached(door)?)));
+    if opened.is_some_and(|opened| opened.is_err()) {
+        complain("note: no browser could be opened: open the address above yourself");
+    }
+    Ok(())
 }
 
 fn has_ffmpeg() -> bool {

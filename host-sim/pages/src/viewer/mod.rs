@@ -9,7 +9,7 @@
 //! drew). `answers` determines the segments (frames from one lock to the next) that lack answers, and `thread` fills
 //! them. All open pages poll `news`, the log of changes; if many answers changed, a page requests them in parts. Frames
 //! come from a `source`: a `recording` or a `camera`. The page itself is core/web/page/viewer.html. `session` saves the
-//! user's work in a file.
+//! user's work in a file. `several` serves several recordings, each with a viewer of its own.
 
 mod answers;
 mod camera;
@@ -20,6 +20,7 @@ mod recording;
 mod routes;
 mod server;
 mod session;
+mod several;
 mod source;
 mod spans;
 #[cfg(test)]
@@ -36,6 +37,7 @@ pub use recording::Growing;
 pub use routes::{Look, Requests, Viewer, plain};
 pub use server::Server;
 pub use session::{Session, Work, beside as session_beside};
+pub use several::Several;
 pub use source::{Known, LiveState, Source};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

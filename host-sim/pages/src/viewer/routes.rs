@@ -72,11 +72,16 @@ pub struct Viewer {
 impl Viewer {
     /// Runs the trackers and serves the page until the program ends.
     pub fn serve(self, server: Server) -> Result<()> {
+        self.start();
+        server.run(move |request| self.answer(&request))
+    }
+
+    /// Starts the thread of the trackers, and one that tells the page how many frames the source knows.
+    pub(super) fn start(&self) {
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
         thread::spawn(move || followed.run(source.as_ref()));
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
         let name = self.name.clone();
-        // This thread informs the page when the source knows more frames.
         thread::spawn(move || {
             let mut told = Known::default();
             loop {
@@ -94,24 +99,17 @@ impl Viewer {
                 }
             }
         });
-        server.run(move |request| self.answer(&request))
     }
 
-    fn answer(&self, request: &Request) -> Reply {
+    pub(super) fn answer(&self, request: &Request) -> Reply {
         self.routed(request).unwrap_or_else(|error| Reply::error(400, &messages::of(&error)))
     }
 
     fn routed(&self, Request { posts, path, query, revision, body }: &Request) -> Result<Reply> {
         let (first, rest) = path.split_once('/').unwrap_or((path, ""));
         Ok(match (posts, first, rest) {
-            (false, "", "") => {
-                let script = "<script type=\"module\" src=\"page/viewer.js\"></script>";
-                Reply::new("text/html; charset=utf-8", front_end::viewer(script))
-            }
-            (false, "page", name) => match front_end::module(name) {
-                Some(text) => Reply::new("text/javascript; charset=utf-8", text),
-                None => Reply::error(404, "there is no such module"),
-            },
+            (false, "", "") => page(""),
+            (false, "page", name) => module(name),
             (false, "source", "") => json_reply(&self.source_json()),
             (false, "news", "") => json_reply(&self.news(query)?),
             (false, "answers", "") => {
@@ -381,6 +379,21 @@ impl Viewer {
         let say = move |note| told.tell(|log| log.say(note));
         let id = self.made.begin(job, move |id| followed.tell(|log| log.log_progress(id)), say)?;
         Ok(json_reply(&json!(self.made.of(id))))
+    }
+}
+
+/// Returns the page, with `lead` above its heading.
+pub(super) fn page(lead: &str) -> Reply {
+    let script = "<script type=\"module\" src=\"page/viewer.js\"></script>";
+    let page = front_end::viewer(script).replacen("<header>", &format!("{lead}<header>"), 1);
+    Reply::new("text/html; charset=utf-8", page)
+}
+
+/// Returns a module of the page.
+pub(super) fn module(name: &str) -> Reply {
+    match front_end::module(name) {
+        Some(text) => Reply::new("text/javascript; charset=utf-8", text),
+        None => Reply::error(404, "there is no such module"),
     }
 }
 

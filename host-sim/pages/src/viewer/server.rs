@@ -71,11 +71,13 @@ pub(super) struct Reply {
     pub body: Vec<u8>,
     /// Name under which a browser saves the body.
     pub file: Option<String>,
+    /// Address, below that of the request, to which a browser goes on.
+    pub to: Option<&'static str>,
 }
 
 impl Reply {
     pub fn new(kind: &'static str, body: impl Into<Vec<u8>>) -> Self {
-        Self { status: 200, kind, body: body.into(), file: None }
+        Self { status: 200, kind, body: body.into(), file: None, to: None }
     }
 
     pub fn error(status: u16, said: &str) -> Self {
@@ -231,7 +233,7 @@ fn is_loopback(authority: &str) -> bool {
     port.is_some_and(|port| port.is_empty() || port.strip_prefix(':').is_some_and(is_number))
 }
 
-fn reply(Reply { status, kind, body, file }: Reply) -> Response<Full<Bytes>> {
+fn reply(Reply { status, kind, body, file, to }: Reply) -> Response<Full<Bytes>> {
     let mut response = Response::new(Full::from(body));
     *response.status_mut() = StatusCode::from_u16(status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
     let headers = response.headers_mut();
@@ -243,6 +245,9 @@ fn reply(Reply { status, kind, body, file }: Reply) -> Response<Full<Bytes>> {
     let disposition = file.and_then(|name| HeaderValue::from_str(&format!("attachment; filename=\"{name}\"")).ok());
     if let Some(disposition) = disposition {
         headers.insert("content-disposition", disposition);
+    }
+    if let Some(to) = to {
+        headers.insert("location", HeaderValue::from_static(to));
     }
     response
 }
