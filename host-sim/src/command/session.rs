@@ -7,6 +7,7 @@ use clap::{CommandFactory, Parser};
 use serde_json::{Map, Value};
 use smr_evaluation::{MethodKind, Variant};
 use smr_files::output::complain;
+use smr_pages::export::PixelsPerMetre;
 use smr_pages::viewer::{Target, Work, session_beside};
 use smr_recordings::Target as Given;
 use std::ffi::OsString;
@@ -40,6 +41,11 @@ impl Kept {
 
     pub fn variant(&self) -> Result<Variant> {
         variant_of(&self.work.method, &self.work.options).with_context(|| self.file.clone())
+    }
+
+    /// Pixels of a metre, if a length in the picture is known.
+    pub fn pixels_per_metre(&self) -> Option<PixelsPerMetre> {
+        self.work.length.as_ref().map(|length| length.pixels_per_metre)
     }
 
     /// Tells whose boxes are followed in the recording of this name, and if `has_method`, by which method and options.

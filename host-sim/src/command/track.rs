@@ -85,7 +85,8 @@ pub struct Track {
     /// Also print the centre and its speed in metres, in CSV: N pixels of the recording are a metre [default format then: csv]
     ///
     /// The columns centre_x_m, centre_y_m and speed_m_s follow the column speed. N holds for what moves across the picture, as far from the
-    /// camera as what was measured. Like --init, it is in pixels of the original size if --resize is given.
+    /// camera as what was measured. Like --init, it is in pixels of the original size if --resize is given. Without the option, the length counts
+    /// that was drawn in `view`, if its session gives the boxes; the columns of a recording without a length are empty.
     #[arg(long, value_name = "N")]
     pixels_per_metre: Option<PixelsPerMetre>,
     #[command(flatten)]

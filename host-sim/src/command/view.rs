@@ -325,6 +325,7 @@ impl Requests for Desk {
             origin: followed.variant().origin(),
             targets: targets.iter().map(|(target, _)| is_named.then(|| target.name.clone())).collect(),
             images: self.images.clone(),
+            has_metres: viewer.session.length().is_some(),
             pixels_per_metre: viewer.session.length().map(|length| length.pixels_per_metre.resized((1.0, 1.0))),
         };
         let mut printer = Printer::new(format, about);

@@ -79,7 +79,9 @@ pub struct About {
     pub targets: Vec<Option<String>>,
     /// File names of the frames, if the recording is a folder of pictures; else empty.
     pub images: Vec<String>,
-    /// Pixels of a metre across and down, if a length in the picture is known: CSV then has columns in metres, too.
+    /// True if CSV has columns in metres.
+    pub has_metres: bool,
+    /// Pixels of a metre across and down; `None` if no length in the picture is known, which leaves the columns empty.
     pub pixels_per_metre: Option<(f64, f64)>,
 }
 
@@ -122,7 +124,7 @@ impl Printer {
         match self.format {
             Format::Csv => {
                 let recording = if self.about.is_one_of_several { "recording," } else { "" };
-                let metres = self.about.pixels_per_metre.map_or("", |_| METRE_NAMES);
+                let metres = if self.about.has_metres { METRE_NAMES } else { "" };
                 format!("{recording}{}{CSV_NAMES}{metres}\n", if self.is_named() { "target," } else { "" })
             }
             Format::Coco => coco::head(&self.about),
@@ -154,8 +156,9 @@ impl Printer {
                 let recording = self.recording().map_or(String::new(), |name| csv_text(name) + ",");
                 let name =
                     if self.is_named() { self.about.label(answer.target).to_owned() + "," } else { String::new() };
-                let (way, scale) = (self.way(answer), self.about.pixels_per_metre);
-                let line = |report| recording + &name + &csv_line(answer, report, way, scale);
+                let way = self.way(answer);
+                let line =
+                    |report| recording + &name + &csv_line(answer, report, way) + &self.metres(report, way) + "\n";
                 return Ok(answer.report.map_or(String::new(), line));
             }
             Format::Json => return self.json(answer),
@@ -185,6 +188,20 @@ impl Printer {
         let ((before, from), (now, to)) = former.zip(present)?;
         let (right, down) = (to.0 - from.0, to.1 - from.1);
         (now > before).then_some(Way { right, down, seconds: now - before })
+    }
+
+    /// Returns the columns in metres, each with a comma before it; empty if there are none.
+    fn metres(&self, report: &MethodAnswer, way: Option<Way>) -> String {
+        if !self.about.has_metres {
+            return String::new();
+        }
+        let scale = self.about.pixels_per_metre;
+        let centre = scale.zip(report.target.map(|target| target.centre()));
+        let place = |((across, down), (x, y)): ((f64, f64), (f64, f64))| {
+            format!("{},{}", rounded(x / across), rounded(y / down))
+        };
+        let speed = scale.zip(way).map(|(scale, way)| way.speed(scale));
+        format!(",{},{}", centre.map_or_else(|| ",".to_owned(), place), speed.unwrap_or_default())
     }
 
     fn json(&self, answer: &Answer<'_>) -> Result<String> {
@@ -289,7 +306,7 @@ fn csv_text(text: &str) -> String {
     if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
-fn csv_line(answer: &Answer<'_>, report: &MethodAnswer, way: Option<Way>, scale: Option<(f64, f64)>) -> String {
+fn csv_line(answer: &Answer<'_>, report: &MethodAnswer, way: Option<Way>) -> String {
     let field = |value: Option<String>| value.unwrap_or_default();
     let target = report.target.map(|BoundingBox { x, y, width, height }| format!("{x},{y},{width},{height}"));
     let centre = report.target.map(|target| target.centre());
@@ -311,11 +328,7 @@ fn csv_line(answer: &Answer<'_>, report: &MethodAnswer, way: Option<Way>, scale:
         centre.map_or_else(|| ",".to_owned(), |(x, y)| format!("{x},{y}")),
         field(way.map(|way| way.speed((1.0, 1.0)))),
     ];
-    let metres = scale.map(|(across, down)| {
-        let place = |(x, y): (f64, f64)| format!("{},{}", rounded(x / across), rounded(y / down));
-        format!(",{},{}", centre.map_or_else(|| ",".to_owned(), place), field(way.map(|way| way.speed((across, down)))))
-    });
-    fields.join(",") + &field(metres) + "\n"
+    fields.join(",")
 }
 
 /// Rounds to six decimals: a microsecond for times, a micrometre, and finer than a ratio's resolution of 1/65535. Zero has
@@ -336,8 +349,15 @@ mod tests {
         let origin = Variant::new(method, &Configs::from(paper::Config::paper())).origin();
         let targets = targets.iter().map(|name| name.map(str::to_owned)).collect();
         let name = "a & b".to_owned();
-        let about =
-            About { name, is_one_of_several: false, origin, targets, images: Vec::new(), pixels_per_metre: None };
+        let about = About {
+            name,
+            is_one_of_several: false,
+            origin,
+            targets,
+            images: Vec::new(),
+            has_metres: false,
+            pixels_per_metre: None,
+        };
         Printer::new(format, about)
     }
 
@@ -413,7 +433,7 @@ mod tests {
             (printer.head(), printer.line(&answer(0, 7, Some(&report))).unwrap())
         };
         let (head, named) = line(Format::Csv, "day 1, \"cage\"", Some("car"));
-        assert_eq!(head, format!("recording,target,{CSV_NAMES}"));
+        assert_eq!(head, format!("recording,target,{CSV_NAMES}\n"));
         assert_eq!(named, "\"day 1, \"\"cage\"\"\",car,7,,1,2,3,4,tracking,,,,,,,,2.5,4,\n");
         // A target without a name has one here, so that all lines have the same columns.
         assert_eq!(line(Format::Csv, "a", None), (head, "a,target,7,,1,2,3,4,tracking,,,,,,,,2.5,4,\n".to_owned()));
@@ -453,6 +473,7 @@ mod tests {
     fn a_known_length_adds_columns_in_metres() {
         let mut csv = printer(Format::Csv, MethodKind::Robust, &[None]);
         // Frames of half the width: there are 10 pixels a metre across and 20 down.
+        csv.about.has_metres = true;
         csv.about.pixels_per_metre = "20".parse::<PixelsPerMetre>().ok().map(|metre| metre.resized((0.5, 1.0)));
         assert_eq!(csv.head(), format!("{CSV_NAMES},centre_x_m,centre_y_m,speed_m_s\n"));
         let seen = |x, y| MethodAnswer::locked(Rect::new(x, y, 4, 4));
@@ -467,6 +488,10 @@ mod tests {
             let line = csv.line(&Answer { time: Some(time), ..answer(0, 7, Some(&report)) }).unwrap();
             assert!(line.ends_with(&format!(",{expected}\n")), "{line}");
         }
+        // Of another recording in the table, no length is known.
+        csv.about.pixels_per_metre = None;
+        let line = csv.line(&answer(0, 7, Some(&seen(8, 0)))).unwrap();
+        assert!(line.ends_with(",10,2,,,,\n"), "{line}");
     }
 
     /// Returns the text of three frames: `man` is visible in the first and the third, `car` from the second on.

@@ -4,6 +4,7 @@ use super::Track;
 use crate::command::session::Kept;
 use anyhow::{Context, Result};
 use smr_evaluation::{Follower, Origin};
+use smr_pages::export::PixelsPerMetre;
 use smr_pages::export::boxes::{About, Format, Printer};
 use smr_recordings::{BoundingBox, Sequence};
 use std::path::Path;
@@ -15,6 +16,8 @@ pub struct Opened {
     pub cropped: Option<(usize, BoundingBox)>,
     /// The option or the file that gave the boxes.
     pub boxes_of: String,
+    /// Pixels of a metre, by the option or the session.
+    pub pixels_per_metre: Option<PixelsPerMetre>,
     origin: Origin,
 }
 
@@ -29,17 +32,19 @@ impl Opened {
         let cropped = track.cropped(&targets)?;
         let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
         let boxes_of = kept.map_or("--init", |kept| &kept.file).to_owned();
-        Ok(Self { sequence, targets, cropped, boxes_of, origin: variant.origin() })
+        let pixels_per_metre = track.pixels_per_metre.or_else(|| kept?.pixels_per_metre());
+        Ok(Self { sequence, targets, cropped, boxes_of, pixels_per_metre, origin: variant.origin() })
     }
 
-    pub fn printer(&self, track: &Track, format: Format, is_one_of_several: bool) -> Printer {
+    pub fn printer(&self, format: Format, is_one_of_several: bool, has_metres: bool) -> Printer {
         let about = About {
             name: self.sequence.name.clone(),
             is_one_of_several,
             origin: self.origin.clone(),
             targets: self.targets.iter().map(|target| target.name.clone()).collect(),
             images: self.sequence.source.image_names(),
-            pixels_per_metre: track.pixels_per_metre.map(|metre| metre.resized(self.sequence.scale)),
+            has_metres,
+            pixels_per_metre: self.pixels_per_metre.map(|metre| metre.resized(self.sequence.scale)),
         };
         Printer::new(format, about)
     }

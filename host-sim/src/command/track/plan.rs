@@ -66,6 +66,12 @@ impl<'a> Plan<'a> {
         Ok(Self { track, recordings, format, has_events })
     }
 
+    /// True if a length is known in one of the recordings: a table of all has columns in metres then.
+    pub fn has_metres(&self) -> bool {
+        let kept = self.recordings.iter().filter_map(|one| one.kept.as_ref().ok()?.as_ref()?.pixels_per_metre());
+        self.track.pixels_per_metre.into_iter().chain(kept).next().is_some()
+    }
+
     /// Begins the table of all recordings.
     pub fn table(&self) -> Result<Lines> {
         Ok(match self.track.outputs().0 {

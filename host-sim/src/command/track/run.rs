@@ -47,7 +47,7 @@ impl Track {
         } else {
             Bar::hidden()
         };
-        let (printer, film) = (opened.printer(self, format, false), film.cloned());
+        let (printer, film) = (opened.printer(format, false, opened.pixels_per_metre.is_some()), film.cloned());
         let outputs = Outputs { printer, lines, film, has_events, bar: &bar, is_one_of_several: false };
         follow(self, opened, outputs, &|| false)?;
         Ok(Outcome::Holds)

@@ -105,7 +105,8 @@ impl Run<'_> {
             None if has_events => Lines::Unread,
             None => Lines::Kept(String::new()),
         };
-        let printer = opened.printer(track, format, boxes.is_none());
+        let has_metres = opened.pixels_per_metre.is_some() || (boxes.is_none() && self.plan.has_metres());
+        let printer = opened.printer(format, boxes.is_none(), has_metres);
         let head = printer.head();
         let (film, bar) = (film.clone(), self.bar);
         let outputs = Outputs { printer, lines, film, has_events, bar, is_one_of_several: true };

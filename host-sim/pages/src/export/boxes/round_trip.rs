@@ -87,6 +87,7 @@ fn written(format: Format, names: &[Option<String>], targets: &[Vec<Cell>]) -> S
         origin,
         targets: targets_named,
         images: Vec::new(),
+        has_metres: false,
         pixels_per_metre: None,
     };
     let mut printer = Printer::new(format, about);
