@@ -222,7 +222,7 @@ function drawControls(chosen) {
   const isBegun = chosen !== null && chosen.locks[0].number < shown;
   const off = { back: frame <= first, on: frame >= last, undo: !app.edits.canUndo && app.proposed === null, redo: !app.edits.canRedo, unlock: !isHere, gone: !isBegun, add: chosen === null, stop: app.hasEnded };
   Object.entries(off).forEach(([id, isOff]) => (byId(id).disabled = isOff));
-  write(byId("gone"), isGone(chosen, shown) ? "Back here" : "Gone from here");
+  write(byId("gone"), isGone(chosen, shown) ? "Back" : "Gone");
   write(byId("whole"), `${app.viewport.zoom < 10 ? Number(app.viewport.zoom.toFixed(1)) : Math.round(app.viewport.zoom)}×`);
   write(byId("place"), shown === null ? "" : placed(shown));
   drawLoading();

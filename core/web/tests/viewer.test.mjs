@@ -419,7 +419,7 @@ onViewer("a target that is gone has no box until it is back, and the line that i
   await commands(page, /--init 36,24,24,28 --init gone@50 --method/);
   await page.until(`document.querySelector("#targets .now").textContent === "gone"`);
   await goTo(page, 80);
-  await page.until(`document.getElementById("gone").textContent === "Back here"`);
+  await page.until(`document.getElementById("gone").textContent === "Back"`);
   await page.click("#gone");
   await commands(page, /--init gone@50 --init \d+,\d+,\d+,\d+@80 --method/);
   await followedAll(page);
