@@ -33,6 +33,11 @@ impl Kept {
     pub fn targets(&self, first: usize, last: usize) -> Result<Vec<Given>> {
         let all = self.work.targets.iter().map(|target| begun(target.given()?, first));
         let mut targets = all.collect::<Result<Vec<_>>>().with_context(|| self.file.clone())?;
+        if let ([given], [target]) = (&mut targets[..], &self.work.targets[..])
+            && !target.has_own_name()
+        {
+            given.name = None;
+        }
         targets.iter_mut().for_each(|target| target.starts.retain(|(frame, _)| *frame <= last));
         targets.retain(|target| !target.starts.is_empty());
         ensure!(!targets.is_empty(), "{}: no box is in these frames: expected other --frames, or --init", self.file);

@@ -50,6 +50,11 @@ impl Target {
         if self.name.is_empty() { format!("target{}", self.id) } else { self.name.clone() }
     }
 
+    /// True if the user has given the target a name.
+    pub fn has_own_name(&self) -> bool {
+        !["", "target", &format!("target{}", self.id)].contains(&&*self.name)
+    }
+
     /// Returns the target as trackers take it, its boxes in the order of their frames. Errors: The name has other letters
     /// than a name may have, two locks are in one frame, or the target is gone twice, or before its first box.
     pub fn given(&self) -> Result<smr_recordings::Target> {
