@@ -34,7 +34,7 @@ export function metresOf(length) {
 }
 
 /** Returns a sentence about a length; empty if none is known. */
-export const scaleOf = (length) => (length ? `A metre has ${short(length.pixels_per_metre)} pixels.` : "");
+export const scaleOf = (length) => (length ? `1 m = ${short(length.pixels_per_metre)} pixels` : "");
 
 /** Draws a line with its ends on a canvas, from (x, y) across and down. */
 export function drawLine(context, [x, y, across, down]) {
@@ -73,6 +73,6 @@ export function movementOf(place, look, { first, last, boxAt, timeOf, length }) 
   };
   return [
     ...["x", "y"].map((axis) => chart(`Centre ${axis}`, unit, centres.map((centre) => centre && centre[axis] / per))),
-    chart(centres.some((centre) => centre?.time === null) ? "Speed (frames have no times)" : "Speed", `${unit}/s`, centres.map((centre, at) => speedOf(centres[at - 1], centre, per)), 0),
+    chart(centres.some((centre) => centre?.time === null) ? "Speed: no times" : "Speed", `${unit}/s`, centres.map((centre, at) => speedOf(centres[at - 1], centre, per)), 0),
   ];
 }

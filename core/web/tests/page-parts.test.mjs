@@ -130,7 +130,7 @@ test("centre and speed are those of the box that is seen, in pixels or metres, a
   assert.deepEqual([across.slice(0, 4), metres.slice(0, 4)], [[0, null, "0.1 m", "1.6 m"], [0, null, null, "25 m/s"]]);
   assert.deepEqual(values(1, null, () => null)[2], [0, null, null, null, null, null, null, null]);
   const [{ least, most }, , { least: zero, title }] = movementOf(null, "robust", { first: 2, last: 3, boxAt: (number) => boxes[number], timeOf: () => null, length: null });
-  assert.deepEqual([least < 2 && least > -2, most > 32 && most < 36, zero, title], [true, true, 0, "Speed (frames have no times)"]);
+  assert.deepEqual([least < 2 && least > -2, most > 32 && most < 36, zero, title], [true, true, 0, "Speed: no times"]);
 });
 
 test("a line has the length that is typed, with a point or a comma; nonsense, nothing and less are no length", () => {

@@ -143,7 +143,7 @@ onPage("a length in the picture: the CSV has metres as that of host-sim, and the
   await pausedAt(page, 40);
   assert.deepEqual(await page.value(BELOW), [], "the curves of the tracker stand beside the picture");
   await page.select("curve", "movement");
-  await page.until(`[...document.querySelectorAll("#curves .panel b")].map((title) => title.textContent).join() === "Centre x,Centre y,Speed (frames have no times)"`);
+  await page.until(`[...document.querySelectorAll("#curves .panel b")].map((title) => title.textContent).join() === "Centre x,Centre y,Speed: no times"`);
   await page.click("#length");
   await dragBox(page, { x: 30, y: 200, width: 250, height: -20 });
   await page.until(`document.activeElement.id === "metres"`);
@@ -158,7 +158,7 @@ onPage("a length in the picture: the CSV has metres as that of host-sim, and the
   await page.click("#camera");
   await page.until(`document.getElementById("name").textContent === "camera" && document.getElementById("scale").textContent === ""`);
   await page.click("#built-in");
-  await page.until(`document.getElementById("scale").textContent === "A metre has 33.44 pixels."`);
+  await page.until(`document.getElementById("scale").textContent === "1 m = 33.44 pixels"`);
   await page.click("#length");
   await page.until(`document.getElementById("metres").value === "7.5" && !document.getElementById("dropLength").disabled`);
   await page.click("#dropLength");

@@ -347,7 +347,7 @@ onViewer("centre and speed are curves, and with a length that is drawn once they
   await page.key("Enter");
   await page.until(`document.getElementById("measured").hidden && document.getElementById("said").hidden`);
   await movesAs(page, 30, ["centre_x_m", "centre_y_m", "speed_m_s"], "m");
-  assert.equal(await page.text("scale"), "A metre has 57.69 pixels.");
+  assert.equal(await page.text("scale"), "1 m = 57.69 pixels");
   await commands(page, /--init 36,24,24,28 --method robust --pixels-per-metre 57.6888$/);
   for (const id of ["view", "report"]) {
     assert.equal(/--pixels-per-metre 57.6888$/.test(await page.text(id)), id === "view", await page.text(id));
@@ -385,7 +385,7 @@ onViewer("centre and speed are curves, and with a length that is drawn once they
   const again = await served(["clip.y4m"]);
   const [one, other] = [await browser.page(again.address), await browser.page(again.address)];
   await one.select("curve", "movement");
-  await one.until(`document.getElementById("scale").textContent === "A metre has 286.8 pixels."`);
+  await one.until(`document.getElementById("scale").textContent === "1 m = 286.8 pixels"`);
   await one.click("#length");
   await one.until(`document.getElementById("metres").value === "0.5" && !document.getElementById("dropLength").disabled`);
   await other.until(`/--pixels-per-metre/.test(document.getElementById("track")?.textContent)`);
