@@ -32,7 +32,7 @@ export class Local {
     if (typeof WebAssembly !== "object") {
       throw new Error("This browser has no WebAssembly, which the trackers need: use a current browser, or allow it.");
     }
-    if (typeof OffscreenCanvas !== "function" || typeof DecompressionStream !== "function") {
+    if (typeof OffscreenCanvas !== "function" || typeof DecompressionStream !== "function" || !CSS.supports("color", "light-dark(red, red)")) {
       throw new Error("This browser is too old for this page: use a current Firefox, Chrome, Edge or Safari.");
     }
     this.#follower = new Follower(await workerAddress());

@@ -39,7 +39,7 @@ impl Overlay {
     }
 
     /// Returns a part of the frame: a square of `side` pixels around `centre`, moved and made smaller so that it lies in the
-    /// frame, and enlarged by a whole number until its longer side has [`ENLARGED`] pixels. The sides are even, as videos
+    /// frame, and enlarged by a whole number until its longer side has `ENLARGED` pixels. The sides are even, as videos
     /// need, unless the frame has a single column or row.
     pub fn part(&self, centre: (f64, f64), side: u32) -> Result<Self> {
         let (width, height) = self.size();
