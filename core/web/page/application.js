@@ -201,6 +201,8 @@ function prepare() {
 
 // Resets the page for a recording or camera that the source has opened.
 function opened(facts) {
+  app.drag.drop();
+  app.measured = null;
   begin(facts);
   const { recording, playback, kind } = app;
   say("");
@@ -221,6 +223,12 @@ function opened(facts) {
   }
 }
 
+function open(act) {
+  // What was looked at belongs to the former source.
+  app.truth.send();
+  trying(act());
+}
+
 /** Runs the application on a source. `openers` maps ids of buttons or fields to actions that open another source. */
 export async function run(of, openers = {}) {
   try {
@@ -229,7 +237,7 @@ export async function run(of, openers = {}) {
     prepare();
     listen();
     opened(facts);
-    Object.entries(openers).forEach(([id, act]) => byId(id).addEventListener(byId(id).type === "file" ? "change" : "click", () => trying(act())));
+    Object.entries(openers).forEach(([id, act]) => byId(id).addEventListener(byId(id).type === "file" ? "change" : "click", () => open(act)));
     await app.source.listen(heard, gone, () => app.playback.shown ?? app.playback.first);
   } catch (error) {
     document.body.classList.add("failed");

@@ -8,7 +8,7 @@ export class BuiltIn {
   width = 320;
   height = 240;
   last = 300;
-  targets = [{ id: 1, name: "", locks: [{ number: 1, box: { x: 268, y: 101, width: 39, height: 14 } }] }];
+  targets = [{ id: 1, name: "", hidden: [], locks: [{ number: 1, box: { x: 268, y: 101, width: 39, height: 14 } }] }];
   #follower;
 
   constructor(follower) {

@@ -84,13 +84,27 @@ export class Edits {
   load(targets, ids = 0) {
     [this.#past, this.#future, this.#steps] = [[], [], []];
     const isAdding = this.targets.length > 0 && this.#chosen === null;
+    this.#take(targets, ids);
+    this.#chosen = this.chosen?.id ?? (isAdding ? null : (this.targets[0]?.id ?? null));
+  }
+
+  /** Replaces all targets as `load` does, by a change that can be undone. */
+  resume(targets, ids) {
+    const before = this.#now;
+    this.#take(targets, ids);
+    const { targets: after, checked } = this;
+    [this.targets, this.checked] = [before.targets, before.checked];
+    this.#replace(after, after[0]?.id ?? null);
+    this.checked = checked;
+  }
+
+  #take(targets, ids) {
     this.targets = targets.map(({ checked, ...target }) => ({ hidden: [], ...defined(target), locks: inOrder(target.locks), name: isPlain(target) ? "" : target.name }));
     this.checked = new Map(targets.map(({ id, checked }) => [id, checked ?? []]));
     for (let twice = this.#namedTwice(); twice !== undefined; twice = this.#namedTwice()) {
       twice.name = "";
     }
     this.ids = Math.max(this.ids, ids, ...targets.map(({ id }) => id));
-    this.#chosen = this.chosen?.id ?? (isAdding ? null : (this.targets[0]?.id ?? null));
   }
 
   /** Locks a target on `box` in a frame, replacing the target's lock there. If `target` is null, adds a new target. */

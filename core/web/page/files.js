@@ -4,6 +4,7 @@ import { changed } from "./boxes.js";
 import { byId, htmlNode } from "./dom.js";
 import { drawMade, drawTaken } from "./exports.js";
 import { app, say, trying } from "./state.js";
+import { showTracker } from "./tracker-settings.js";
 
 const TYPES = { csv: "text/csv", json: "application/json", jsonl: "application/x-ndjson", smr: "application/octet-stream" };
 
@@ -35,6 +36,21 @@ export async function make(what, options) {
 
 export const cancel = (id) => trying(app.source.cancel(id));
 
+// Replaces the work on the recording by that of a session. The targets can be undone.
+async function resume({ using, targets, ids, length }) {
+  const { edits, recording } = app;
+  if (JSON.stringify(using) !== JSON.stringify({ method: recording.method, options: recording.options })) {
+    Object.assign(recording, using);
+    edits.forget();
+    await trying(app.source.method(using.method, using.options));
+    showTracker(recording);
+  }
+  recording.length = length;
+  await trying(app.source.length(length));
+  edits.resume(targets, ids);
+  await changed();
+}
+
 // Reads a file that the user chose or dropped: boxes, or a video if the source accepts one.
 export async function read(file) {
   if (file === undefined) {
@@ -42,9 +58,12 @@ export async function read(file) {
   }
   say("");
   byId("boxes").value = "";
-  const targets = await trying(app.source.read(file));
-  if (targets !== "") {
-    app.edits.add(targets);
+  app.truth.send();
+  const found = await trying(app.source.read(file));
+  if (found.using) {
+    await resume(found);
+  } else if (found !== "") {
+    app.edits.add(found);
     await changed();
   }
 }

@@ -2,6 +2,7 @@
 
 import { lockIn } from "./edits.js";
 import { TITLES } from "./methods.js";
+import { saidOf } from "./rows.js";
 
 const POOR_QUALITY = 1023; // of smr.js
 const KEPT = 9000; // answers of a camera, for each target
@@ -70,9 +71,9 @@ export class Following {
     }
   }
 
-  /** Returns [name, rows by ascending frame] of each target; a row is an answer. */
+  /** Returns [name, rows by ascending frame] of each target; a row is an answer, or what the user says instead. */
   rows(nameOf) {
-    return this.#wanted.map((target) => [nameOf(target), [...this.#targets.get(target.id).rows.values()]]);
+    return this.#wanted.map((target) => [nameOf(target), [...this.#targets.get(target.id).rows.values()].map((row) => saidOf(target, row))]);
   }
 
   /** Ends of answers before that of the recording: [id, frame of its lock, first frame without an answer]. */

@@ -24,6 +24,7 @@ export class Local {
   #source = null;
   #version;
   #choices = 0; // of sources
+  #isStarting = false;
   #work = new Map(); // see `#worked`, by the source's key; by the source itself if it cannot be opened again
   #heard = () => {};
 
@@ -62,8 +63,7 @@ export class Local {
 
   async read(file) {
     if (file.size > 0 && !(await isRecording(file))) {
-      this.#resume(file.name, await file.text());
-      return "";
+      return this.#session(file.name, await file.text());
     }
     this.#say(`Opening ${file.name}.`, "opening");
     await this.#change(new VideoFile(file, { failed: (text) => this.#say(text) }));
@@ -80,18 +80,19 @@ export class Local {
   }
 
   async targets(targets, ids, checked) {
-    const source = this.#source;
+    const source = this.#shown;
     await this.#following.targets(targets);
     this.#keep(source, { targets, ids, checked: new Map(checked) });
   }
 
   /** Keeps the ranges of frames in which the user has looked at a target. */
   async checked(id, frames) {
-    this.#work.get(this.#source.key)?.checked?.set(id, frames);
+    const source = this.#source;
+    this.#keep(source, { checked: new Map(this.#worked(source).checked).set(id, frames) });
   }
 
   async length(length) {
-    this.#keep(this.#source, { length });
+    this.#keep(this.#shown, { length });
   }
 
   #keep(source, made) {
@@ -148,8 +149,8 @@ export class Local {
     return { targets: source.targets ?? [], ids: 0, checked: new Map(), length: null, ...this.#work.get(source.key ?? source) };
   }
 
-  // Replaces the work on the present source by that of a session.
-  #resume(file, text) {
+  // Returns the work { using, targets, ids, checked, length } of a session of the present source.
+  #session(file, text) {
     const source = this.#source;
     let found;
     try {
@@ -163,13 +164,9 @@ export class Local {
     if (source.live) {
       throw new Error(`${file}: a camera has other frames now: open its recording first.`);
     }
-    const { using, targets, ids, madeBy, length } = found;
-    const checked = new Map(targets.map((target) => [target.id, madeBy === this.#madeBy ? (target.checked ?? []) : []]));
-    this.#work.set(source.key, { targets, ids, checked, length });
-    this.#following.using = using;
-    this.#following.use(source);
-    this.#heard({ opened: { ...this.#facts(source), plays: false } });
-    this.#say("");
+    const { madeBy, targets, ...work } = found;
+    // Another program may have had other boxes.
+    return { ...work, targets: targets.map(({ checked, ...target }) => ({ ...target, checked: madeBy === this.#madeBy ? checked : [] })) };
   }
 
   async #change(source) {
@@ -188,6 +185,7 @@ export class Local {
     } catch (error) {
       source.close();
       if (choice === this.#choices) {
+        this.#isStarting = false;
         this.#say("", "opening");
       }
       throw error;
@@ -200,15 +198,12 @@ export class Local {
     this.#work.delete(this.#source); // of a camera, whose frames end with it
     this.#source = source;
     this.#following.use(source);
+    this.#isStarting = true;
     await source.start?.();
     if (choice !== this.#choices) {
       return null;
     }
-    return this.#facts(source);
-  }
-
-  // Follows the user's targets in a source. Returns what the application needs to know about it.
-  #facts(source) {
+    this.#isStarting = false;
     const { name, words, live, width, height } = source;
     const { targets, ids, checked, length } = this.#worked(source);
     this.#following.targets(targets).catch((error) => this.#say(error.message));
@@ -217,6 +212,14 @@ export class Local {
       targets: targets.map((target) => ({ ...target, checked: checked.get(target.id) })), formats: live ? FORMATS : [...FORMATS, SESSION],
       timeOf: (number) => source.timeOf?.(number) ?? null, plays: source.targets !== undefined,
     };
+  }
+
+  // The source whose picture the user sees. Throws while another one starts.
+  get #shown() {
+    if (this.#isStarting) {
+      throw new Error(`${this.#source.name} is being opened: wait for its picture.`);
+    }
+    return this.#source;
   }
 
   get #length() {

@@ -2,6 +2,7 @@
 
 import { run } from "./application.js";
 import { byId } from "./dom.js";
+import { read } from "./files.js";
 import { Local } from "./local.js";
 
 const source = new Local();
@@ -12,6 +13,6 @@ run(source, {
     const [file] = byId("file").files;
     // Clears the field, so that the same file can be chosen again.
     byId("file").value = "";
-    await source.read(file);
+    await read(file);
   },
 });

@@ -1,12 +1,32 @@
 // Formats the trackers' answers as `host-sim track --format csv` and `host-sim track --json` do.
 
+import { isHidden, lineIn, lockIn } from "./edits.js";
 import { centreOf, speedOf } from "./movement.js";
 
 const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work,centre_x,centre_y,speed";
 const METRE_NAMES = ",centre_x_m,centre_y_m,speed_m_s";
 
+const NOWHERE = { x: 0, y: 0, width: 0, height: 0 };
+
 // Rounds to six decimals, and halves away from zero, as host-sim does.
 const rounded = (value, unit) => (Number.isFinite(value) ? (Math.sign(value) * Math.round(Math.abs(value / unit) * 1e6)) / 1e6 : null);
+
+/**
+ * Returns a target's row as the user says it: with the box on a line between two of theirs, or without one where something
+ * hides the target; elsewhere, and in the frame of a box, as the tracker says it.
+ */
+export function saidOf(target, row) {
+  const { number } = row;
+  if (lockIn(target, number) !== undefined) {
+    return row;
+  }
+  if (isHidden(target, number)) {
+    return { number, state: "lost", box: NOWHERE, fineBox: NOWHERE };
+  }
+  const box = lineIn(target, number);
+  const sides = (change) => Object.fromEntries(Object.entries(box).map(([side, value]) => [side, change(value)]));
+  return box === undefined ? row : { number, state: "tracking", box: sides(Math.round), fineBox: sides((value) => 256 * value) };
+}
 
 /**
  * Returns CSV with the answers of all targets, by frame. `named` is a list of [name, rows], each row { number, state,

@@ -1,6 +1,6 @@
 // The session of a recording, as `host-sim view` keeps it beside the recording: the user's targets and the method.
 
-import { targetOf, toldOf } from "./edits.js";
+import { plainName, targetOf, toldOf } from "./edits.js";
 import { METHODS } from "./methods.js";
 
 const VERSION = 1;
@@ -42,25 +42,37 @@ export function parsed(text, { name, width, height }) {
   if (!METHODS.includes(method)) {
     throw new Error(`this page has no tracker ${method}: open it in host-sim view.`);
   }
-  return { using: { method, options }, targets: targets.map(targetOf), ids, madeBy, length };
+  return { using: { method, options }, targets: targets.map(targetOf).map((target) => ({ ...target, name: plainName(target.name) })), ids, madeBy, length };
 }
 
-function isSession({ smr_session: version, method, options, targets, length = null }, size) {
+function isSession({ smr_session: version, method, options, targets, ids = 0, length = null }, size) {
   const isIn = ([x, y, width, height]) => Math.min(x, y) >= 0 && Math.min(width, height) > 0 && x + width <= size.width && y + height <= size.height;
   const isBox = (box) => box === null || (box.length === 4 && box.every(Number.isInteger) && isIn(box));
   const isLock = ({ frame, box }) => isCount(frame) && isBox(box);
   const isTarget = ({ id, name, locks, hidden = [], checked = [] }) =>
-    isCount(id) && typeof name === "string" && locks.length > 0 && locks[0].box !== null && locks.every(isLock) && [...hidden, ...checked].every(isRange);
+    isCount(id) && typeof name === "string" && locks[0].box !== null && locks.every(isLock) && isEach(locks.map(({ frame }) => frame)) && [...hidden, ...checked].every(isRange);
   const isEnd = (x, y) => x >= 0 && y >= 0 && x <= size.width && y <= size.height;
   const isLine = ([x1, y1, x2, y2, ...more]) => [x1, y1, x2, y2].every(Number.isInteger) && isEnd(x1, y1) && isEnd(x2, y2) && more.length === 0;
-  const isLength = ({ pixels_per_metre: pixels, line }) => pixels >= 1e-6 && pixels <= 1e6 && (line === null || isLine(line));
+  const isLength = ({ pixels_per_metre: pixels, line }) => typeof pixels === "number" && pixels >= 1e-6 && pixels <= 1e6 && (line === null || isLine(line));
   try {
-    return version === VERSION && typeof method === "string" && typeof options === "object" && targets.every(isTarget) && (length === null || isLength(length));
+    return (
+      version === VERSION && typeof method === "string" && isOptions(options) && targets.every(isTarget) && isEach(targets.map(({ id }) => id)) &&
+      (ids === 0 || isCount(ids)) && (length === null || isLength(length))
+    );
   } catch {
     return false;
   }
 }
 
-const isCount = (value) => Number.isInteger(value) && value > 0;
+// True for options that command.js writes.
+function isOptions({ set = [], config = "", ...others }) {
+  const isWord = (word) => /^[\w.-]*$/.test(word);
+  return [...set].every((one) => one.split("=").every(isWord)) && isWord(config) && Object.keys(others).length === 0;
+}
+
+const isEach = (values) => new Set(values).size === values.length;
+
+// Numbers of frames and targets end here in host-sim.
+const isCount = (value) => Number.isInteger(value) && value > 0 && value < 2 ** 31;
 
 const isRange = ([from, to, ...more]) => isCount(from) && isCount(to) && from <= to && more.length === 0;

@@ -140,7 +140,7 @@ export class Truth {
     }
     const seen = [];
     for (const [from, to] of of.checked) {
-      for (let number = from; number <= to; number++) {
+      for (let number = from; number <= Math.min(to, last); number++) {
         const state = answers.state(target.id, number);
         if ((state === undefined || state === "lost") && !isTold(target, number)) {
           continue;

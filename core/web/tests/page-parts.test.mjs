@@ -108,7 +108,8 @@ test("a session is read as it was written, and others say why not", () => {
   for (const other of ["", "frame,x,y", "[1]", "null", "7", "{}"]) {
     assert.equal(parsed(other, recording), null, other);
   }
-  const damaged = [["\"smr_session\": 1", "\"smr_session\": 2"], ["\"id\": 2", "\"id\": \"2\""], ["30,", "0,"], ["70,", "71,"], ["\"frame\": 9", "\"frame\": 0.5"], ["\"locks\"", "\"lock\""], ["3,", "9,"], ["80,", "81,"], ["40.5", "0"]];
+  const damaged = [["\"smr_session\": 1", "\"smr_session\": 2"], ["\"id\": 2", "\"id\": \"2\""], ["30,", "0,"], ["70,", "71,"], ["\"frame\": 9", "\"frame\": 0.5"], ["\"locks\"", "\"lock\""], ["3,", "9,"], ["80,", "81,"], ["40.5", "0"],
+    ["40.5", '"40.5"'], ["7\n", "1e15\n"], ['"ids": 3', '"ids": 1e308'], ['{\n    "set"', 'null, "set2": {\n "set"'], ["reach=6", "reach=6 --out x"], ['"frame": 12', '"frame": 9'], ['"frame": 12', '"frame": 1e9999']];
   for (const [from, to] of damaged) {
     assert.ok(text.includes(from), from);
     assert.throws(() => parsed(text.replace(from, to), recording), /damaged, or of another version/, `${from} ${to}`);

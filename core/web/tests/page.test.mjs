@@ -222,6 +222,16 @@ onPage("truth by hand is kept in a session, which host-sim view and the page ope
   assert.deepEqual([marked.hidden[0][0], work.recording, work.method], [21, "street", "robust"]);
   assert.ok(marked.checked.length > 0);
 
+  // What the user says, on a line and hidden, stands in the files of the page and of host-sim.
+  const clip = join(folder, "street.y4m");
+  assert.equal(host("convert", "street", "-o", clip).status, 0);
+  copyFileSync(saved, `${clip}.smr.json`);
+  const untimed = ({ time, ...answer }) => answer;
+  const found = (await answers(page)).map(untimed);
+  assert.deepEqual(found, told("track", clip).map(untimed));
+  const second = found.filter(({ target }) => target === "target2");
+  assert.deepEqual([second[5].fine, second[25].state], [{ x: 52, y: 92, width: 20, height: 20 }, "lost"]);
+
   // The page opens it again, after it was loaded anew.
   const asked = page.next("Page.javascriptDialogOpening");
   const loaded = page.next("Page.loadEventFired");
@@ -234,6 +244,11 @@ onPage("truth by hand is kept in a session, which host-sim view and the page ope
   await page.until(`document.getElementById("track").textContent.includes("target2=64,104,20,20@11")`);
   await page.click("#targets li:last-child input");
   await page.until(`document.getElementById("share").textContent === ${JSON.stringify(share)}`);
+  // It replaced what was there, which can be undone.
+  await page.click("#undo");
+  await page.until(`!document.getElementById("track").textContent.includes("target2")`);
+  await page.click("#redo");
+  await page.until(`document.getElementById("track").textContent.includes("target2=64,104,20,20@11")`);
 
   // So does host-sim, for which the user looks at the boxes again: they may differ.
   const viewer = spawn(HOST_SIM, ["view", "street", "--session", saved, "--no-open", "--json"]);

@@ -24,7 +24,7 @@ pub struct RecordingOptions {
     /// `gone@FRAME` on a target has no answers, up to its next box (--init car=gone@200).
     ///
     /// Without --init, `track` and the page of `report` follow the targets that `view` keeps beside the recording (SEQ.smr.json), with their
-    /// names, and say so. Between two boxes that `view` joins by a line, they follow the target, too.
+    /// names, and say so. Between two boxes that `view` joins by a line, `track` prints the boxes on it, and none where the target is hidden.
     #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
     init: Vec<Start>,
     /// Treat the initial boxes, except those of a session, as including their right and bottom edges: one pixel wider and higher

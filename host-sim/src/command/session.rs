@@ -24,8 +24,11 @@ impl Kept {
     /// Reads the session beside a recording; `None` if there is none, or it has no targets.
     pub fn beside(recording: &Path) -> Result<Option<Self>> {
         let Some(path) = session_beside(recording) else { return Ok(None) };
-        let work = Work::read(&path, "give --init")?.filter(|work| !work.targets.is_empty());
-        Ok(work.map(|work| Self { file: path.display().to_string(), work }))
+        let Some(mut work) = Work::read(&path, "give --init")?.filter(|work| !work.targets.is_empty()) else {
+            return Ok(None);
+        };
+        work.targets.iter_mut().for_each(|target| target.locks.sort_by_key(|lock| lock.frame));
+        Ok(Some(Self { file: path.display().to_string(), work }))
     }
 
     /// Returns the targets with their boxes in frames `first` to `last`. Errors: A box of a target that is there in frame
@@ -42,6 +45,11 @@ impl Kept {
         targets.retain(|target| !target.starts.is_empty());
         ensure!(!targets.is_empty(), "{}: no box is in these frames: expected other --frames, or --init", self.file);
         Ok(targets)
+    }
+
+    /// Returns the target that the user drew under a name; without a name, the only one.
+    pub fn drawn(&self, name: Option<&str>) -> Option<&Target> {
+        self.work.targets.iter().find(|target| name.is_none_or(|name| target.name() == name))
     }
 
     pub fn variant(&self) -> Result<Variant> {

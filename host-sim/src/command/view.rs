@@ -339,9 +339,16 @@ impl Requests for Desk {
             for (target, rows) in left.iter_mut().enumerate() {
                 let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);
                 let time = known.times.get(frame - 1).copied().or_else(|| row?.time);
-                let report = row.map(|row| &row.report);
+                let report = row.map(|row| targets[target].0.said(frame, row.report, (1.0, 1.0)));
                 let quality = row.and_then(|row| row.quality);
-                text += &printer.line(&Answer { target, frame, time, size: viewer.size, report, quality })?;
+                text += &printer.line(&Answer {
+                    target,
+                    frame,
+                    time,
+                    size: viewer.size,
+                    report: report.as_ref(),
+                    quality,
+                })?;
             }
         }
         text += &printer.foot()?;

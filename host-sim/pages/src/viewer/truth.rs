@@ -3,6 +3,8 @@
 
 use super::answers::AnsweredFrame;
 use super::model::{Lock, Target, is_inside};
+use smr_core::State;
+use smr_evaluation::MethodAnswer;
 use smr_recordings::BoundingBox;
 
 /// Consecutive frames in which the truth is known. In the first, the box of the target is one to lock on.
@@ -55,9 +57,34 @@ impl Target {
         if last.bbox.is_none() || self.hidden.contains(frame) {
             return Some(None);
         }
-        let by_hand = after.first().filter(|_| last.by_hand).and_then(|next| between(last, next, frame));
-        by_hand.or(answer).map(Some)
+        on_line(last, after, frame).or(answer).map(Some)
     }
+
+    /// Returns the answer in a frame as the user says it: the box on a line between two of the user's, or none where
+    /// something hides the target; elsewhere the tracker's `answer`. `scale` is the size of the tracker's frames, relative
+    /// to those that the user has seen.
+    pub fn said(&self, frame: usize, answer: MethodAnswer, scale: (f64, f64)) -> MethodAnswer {
+        let (before, after) = self.locks.split_at(self.locks.partition_point(|lock| lock.frame <= frame));
+        let Some(last) = before.last().filter(|last| last.frame < frame) else { return answer };
+        if self.hidden.contains(frame) {
+            return MethodAnswer { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
+        }
+        on_line(last, after, frame).map_or(answer, |bbox| {
+            let bbox = bbox.scaled(scale);
+            MethodAnswer {
+                target: Some(bbox),
+                bbox: bbox.to_rect(),
+                state: State::Tracking,
+                evidence: None,
+                work: None,
+            }
+        })
+    }
+}
+
+/// Returns the box in a frame behind the lock `last`, if it lies on a line to the first of the locks `after`.
+fn on_line(last: &Lock, after: &[Lock], frame: usize) -> Option<BoundingBox> {
+    after.first().filter(|_| last.by_hand).and_then(|next| between(last, next, frame))
 }
 
 /// Returns the box in a frame on the line between the boxes of two locks; `None` if one of them has no box.
@@ -80,7 +107,7 @@ mod tests {
     use crate::viewer::test_viewer::{FRAMES, Running, Scene, expected, lock, target};
     use proptest::prelude::*;
     use smr_core::Rect;
-    use smr_evaluation::{MethodAnswer, MethodKind};
+    use smr_evaluation::MethodKind;
     use smr_recordings::synthetic;
 
     const SIZE: (u16, u16) = (synthetic::WIDTH, synthetic::HEIGHT);
@@ -98,6 +125,18 @@ mod tests {
         let left = |bbox: Option<BoundingBox>| bbox.map(|bbox| bbox.x);
         let parts = target.known_parts(&[], frames, SIZE);
         parts.into_iter().map(|part| (part.first, part.boxes.into_iter().map(left).collect())).collect()
+    }
+
+    #[test]
+    fn what_the_user_says_comes_before_what_the_tracker_answers() {
+        let (from, to) = (Rect::new(0, 0, 10, 10), Rect::new(90, 80, 10, 20));
+        let target = drawn(vec![by_hand(2, from), Lock::new(6, Some(to)), Lock::new(9, None)], &[(8, 8)], &[]);
+        let answer = MethodAnswer::locked(Rect::new(7, 7, 7, 7));
+        let left = |frame| target.said(frame, answer, (0.5, 1.0)).target.map(|bbox| (bbox.x, bbox.height));
+        let found = [1, 2, 3, 4, 6, 7, 8, 9].map(left);
+        let own = Some((7.0, 7.0));
+        assert_eq!(found, [own, own, Some((11.25, 12.5)), Some((22.5, 15.0)), own, own, None, own]);
+        assert_eq!(target.said(8, answer, (1.0, 1.0)).state, State::Lost);
     }
 
     #[test]

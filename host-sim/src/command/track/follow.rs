@@ -26,7 +26,7 @@ pub struct Outputs<'a> {
 /// Follows the targets to the end of the recording, or until `is_over`, which is an error. Returns the text of lines
 /// that are kept.
 pub fn follow(track: &Track, opened: Opened, outputs: Outputs<'_>, is_over: &dyn Fn() -> bool) -> Result<String> {
-    let Opened { mut sequence, targets, cropped, boxes_of, .. } = opened;
+    let Opened { mut sequence, targets, drawn, cropped, boxes_of, .. } = opened;
     let Outputs { printer, mut lines, film, has_events, bar, is_one_of_several } = outputs;
     let events = has_events.then(|| Events::new(targets.len()));
     let live = sequence.source.live();
@@ -46,9 +46,24 @@ pub fn follow(track: &Track, opened: Opened, outputs: Outputs<'_>, is_over: &dyn
         lines.write(&printer.head())?;
     }
     let (name, last) = (sequence.name, sequence.first - 1);
-    let (drops, done) = (false, 0);
-    let mut pass =
-        Pass { name, boxes_of, is_one_of_several, targets, printer, lines, events, film, bar, live, drops, last, done };
+    let (drops, done, scale) = (false, 0, sequence.scale);
+    let mut pass = Pass {
+        name,
+        boxes_of,
+        is_one_of_several,
+        targets,
+        drawn,
+        scale,
+        printer,
+        lines,
+        events,
+        film,
+        bar,
+        live,
+        drops,
+        last,
+        done,
+    };
     for frame in sequence.frames {
         ensure!(!is_over(), "stopped");
         pass.frame(frame?)?;

@@ -6,12 +6,15 @@ use anyhow::{Context, Result};
 use smr_evaluation::{Follower, Origin};
 use smr_pages::export::PixelsPerMetre;
 use smr_pages::export::boxes::{About, Format, Printer};
+use smr_pages::viewer::Target as Drawn;
 use smr_recordings::{BoundingBox, Sequence};
 use std::path::Path;
 
 pub struct Opened {
     pub sequence: Sequence,
     pub targets: Vec<Follower>,
+    /// Each target as the user drew it in `view`, if it is of a session.
+    pub drawn: Vec<Option<Drawn>>,
     /// Index and first box of the target that a video is cropped to, if it is.
     pub cropped: Option<(usize, BoundingBox)>,
     /// The option or the file that gave the boxes.
@@ -31,9 +34,11 @@ impl Opened {
         let (sequence, targets) = track.recording.open_with_targets(path, true, kept)?;
         let cropped = track.cropped(&targets)?;
         let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
+        let drawn = |target: &Follower| kept?.drawn(target.name.as_deref()).cloned();
+        let drawn = targets.iter().map(drawn).collect();
         let boxes_of = kept.map_or("--init", |kept| &kept.file).to_owned();
         let pixels_per_metre = track.pixels_per_metre.or_else(|| kept?.pixels_per_metre());
-        Ok(Self { sequence, targets, cropped, boxes_of, pixels_per_metre, origin: variant.origin() })
+        Ok(Self { sequence, targets, drawn, cropped, boxes_of, pixels_per_metre, origin: variant.origin() })
     }
 
     pub fn printer(&self, format: Format, is_one_of_several: bool, has_metres: bool) -> Printer {

@@ -9,6 +9,7 @@ use smr_core::Quality;
 use smr_evaluation::Follower;
 use smr_files::output::{complain, print};
 use smr_pages::export::boxes::{Answer, Printer};
+use smr_pages::viewer::Target as Drawn;
 use smr_recordings::{Arrivals, Frame};
 use std::io::Write;
 use std::path::PathBuf;
@@ -25,6 +26,9 @@ pub struct Pass<'a> {
     /// True if lines about events begin with the name of the recording.
     pub is_one_of_several: bool,
     pub targets: Vec<Follower>,
+    /// Each target as the user drew it, if it is of a session; `scale` is the size of the frames, relative to those there.
+    pub drawn: Vec<Option<Drawn>>,
+    pub scale: (f64, f64),
     pub printer: Printer,
     pub lines: Lines,
     pub events: Option<Events>,
@@ -49,6 +53,8 @@ impl Pass<'_> {
         for (at, target) in self.targets.iter_mut().enumerate() {
             let is_due = target.next_start().is_some_and(|start| start <= number);
             let report = target.step(number, gray).with_context(|| self.name.clone())?;
+            let said = |report| self.drawn[at].as_ref().map_or(report, |drawn| drawn.said(number, report, self.scale));
+            let report = report.map(said);
             let locks = is_due && report.is_some();
             let quality = target.quality().filter(|_| locks);
             if quality.is_some_and(Quality::is_poor) {
