@@ -313,6 +313,15 @@ fn a_video_and_a_report_are_made_to_be_taken_away() {
     assert!(viewer.made("film", &json!({ "as": "mp4", "crop": 1 }))[4..].starts_with(b"ftyp"));
     let (status, said) = viewer.post("film", &json!({ "as": "mp4", "crop": 7 }));
     assert_eq!((status, &*said), (400, "crop: this target has no box: expected one that has"));
+    // The film has the boxes that the user says: here the tracker's, then those on a line.
+    let mut film = |by_hand| {
+        let locks = json!([{ "frame": 1, "box": [36, 24, 24, 28], "by_hand": by_hand }, { "frame": 9, "box": [90, 70, 24, 28] }]);
+        assert_eq!(viewer.post("targets", &json!([{ "id": 7, "name": "car", "locks": locks }])).0, 200);
+        viewer.followed();
+        viewer.made("film", &json!({ "as": "mp4" }))
+    };
+    let films = [false, true, true].map(&mut film);
+    assert!(films[0] != films[1] && films[1] == films[2]);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -320,7 +329,7 @@ fn a_video_and_a_report_are_made_to_be_taken_away() {
         let folder = fs::read_dir(viewer.folder.path()).unwrap().next().unwrap().unwrap().path();
         let jobs = fs::read_dir(&folder).unwrap().map(|job| fs::read_dir(job.unwrap().path()).unwrap());
         let files: Vec<_> = jobs.flatten().map(|file| mode(&file.unwrap().path())).collect();
-        assert_eq!((mode(&folder), files), (0o700, vec![0o600; 2]));
+        assert_eq!((mode(&folder), files), (0o700, vec![0o600; 5]));
     }
     fs::remove_file(folder.path().join("synthetic/00030.png")).unwrap();
     assert_eq!(viewer.post("targets", &target(&[(40, [36, 24, 24, 28])])).0, 200);

@@ -301,6 +301,15 @@ struct Desk {
     images: Vec<String>,
 }
 
+impl Desk {
+    /// True if a command without boxes follows these targets by the session, which also has lines and hidden frames.
+    fn follows_session(&self, viewer: &Viewer, targets: &[Target]) -> bool {
+        let has_more = |target: &Target| !target.hidden.is_empty() || target.locks.iter().any(|lock| lock.by_hand);
+        let recording = self.words.first().map(Path::new);
+        targets.iter().any(has_more) && recording.is_some_and(|path| viewer.session.holds(targets, path))
+    }
+}
+
 impl Requests for Desk {
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant> {
         variant_of(method, options)
@@ -380,7 +389,7 @@ impl Requests for Desk {
             vec![command.into()],
             self.words.clone(),
             followed.last_intact().map_or(Vec::new(), |last| vec!["--frames".into(), format!("..{last}").into()]),
-            inits(&targets),
+            if self.follows_session(viewer, &targets) { Vec::new() } else { inits(&targets) },
             vec!["--method".into(), kind.name().into()],
             typed(&options),
             shown(&targets, look)?,

@@ -114,6 +114,17 @@ impl Session {
         kept.path.as_ref().filter(|_| !kept.has_failed).map(|path| path.display().to_string())
     }
 
+    /// True if the session beside `recording` holds these targets: then other commands follow them without options.
+    pub fn holds(&self, targets: &[Target], recording: &Path) -> bool {
+        let kept = lock(&self.kept);
+        let is_beside = kept.path.is_some() && kept.path == beside(recording);
+        is_beside
+            && !kept.is_set_aside
+            && !kept.has_failed
+            && kept.there() == There::Own
+            && kept.work.targets == targets
+    }
+
     pub(super) fn frame(&self) -> Option<usize> {
         lock(&self.kept).work.frame
     }
