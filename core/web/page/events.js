@@ -105,8 +105,8 @@ function mark(place, at) {
   }
 }
 
-// Scrolls the list, but not the page, as little as `node` needs to be seen.
-function reveal(place, node) {
+/** Scrolls a list, but not the page, as little as `node` needs to be seen. */
+export function reveal(place, node) {
   const [list, { top, bottom }] = [place.getBoundingClientRect(), node.getBoundingClientRect()];
   place.scrollTop += Math.min(top - list.top, 0) + Math.max(bottom - list.bottom, 0);
 }

@@ -1,6 +1,7 @@
 // The list of targets, in which the user chooses, renames and removes them.
 
 import { htmlNode } from "./dom.js";
+import { reveal } from "./events.js";
 import { colorOf } from "./palette.js";
 
 /** Fills the element `place` with `targets` { id, name }; the functions are called on the user's actions. */
@@ -12,8 +13,12 @@ export function drawList(place, { targets, chosen, choose, remove, rename }) {
   place.dataset.shown = shown;
   const hadFocus = place.contains(document.activeElement);
   place.replaceChildren(...targets.map((target) => line(target, target.id === chosen?.id, { choose, remove, rename })));
+  const item = place.querySelector(".chosen");
+  if (item !== null) {
+    reveal(place, item);
+  }
   if (hadFocus) {
-    place.querySelector("input:checked")?.focus();
+    item?.querySelector("input").focus();
   }
 }
 

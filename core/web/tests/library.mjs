@@ -11,8 +11,14 @@ export const PROJECT = fileURLToPath(new URL("../../../", import.meta.url));
 export const PACKAGE = process.env.SMR_WEB ?? join(PROJECT, "target/web");
 export const HOST_SIM = process.env.SMR_HOST_SIM;
 
-/** An expression of a page: the charts that reach beyond the window. */
-export const BELOW = `[...document.querySelectorAll("#curves .panel")].filter((panel) => panel.getBoundingClientRect().bottom > innerHeight).map((panel) => panel.textContent)`;
+/** An expression of a page: the charts that reach beyond the window, and those whose name and value do not fit in a line. */
+export const BELOW = `[...document.querySelectorAll("#curves .panel")].filter((panel) => panel.getBoundingClientRect().bottom > innerHeight
+  || panel.firstElementChild.scrollWidth > panel.clientWidth || panel.firstElementChild.offsetHeight > 24).map((panel) => panel.textContent)`;
+/** An expression of a page: the chosen target is in sight in the list of targets. */
+export const CHOSEN_IS_SEEN = `(() => {
+  const [list, chosen] = [document.getElementById("targets"), document.querySelector("#targets .chosen")].map((node) => node.getBoundingClientRect());
+  return chosen.top >= list.top - 1 && chosen.bottom <= list.bottom + 1;
+})()`;
 
 export async function libraries() {
   const library = (name) => load(readFileSync(join(PACKAGE, name)));

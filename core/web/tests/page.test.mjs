@@ -8,7 +8,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { Browser } from "./browser.mjs";
-import { BELOW, HOST_SIM } from "./library.mjs";
+import { BELOW, CHOSEN_IS_SEEN, HOST_SIM } from "./library.mjs";
 import {
   FRAMES, NUMBER, PRESSED, STARTED, address, answers, boxes, browser, choose, columns, downloaded, dragBox, folder, followed, host, lines, onPage, pausedAt, replays, same,
   settled, shoot, why,
@@ -137,6 +137,23 @@ onPage("a box of 0x0, one that is refused, a removed target", async (page) => {
   await page.until(`document.getElementById("said").textContent === "The box has no pixels: drag from one corner to the other."`);
   await page.click("#targets button");
   await page.until(`document.querySelectorAll("#targets li").length === 0 && document.querySelectorAll("#files button:disabled").length === 4`);
+});
+
+onPage("all curves of four targets stand beside the picture in a window of 1280x900", async (page) => {
+  await pausedAt(page, 4);
+  await page.click("#plays");
+  for (const left of [20, 60, 100]) {
+    await page.click("#add");
+    await dragBox(page, { x: left, y: 160, width: 30, height: 30 });
+    await page.until(`document.getElementById("track").textContent.includes("${left},160,30,30@")`);
+  }
+  await page.until(CHOSEN_IS_SEEN);
+  await page.value(`scrollTo(0, 0)`);
+  for (const choice of ["tracker", "movement"]) {
+    await page.select("curve", choice);
+    await page.until(`document.querySelector("#curves b").textContent === "${choice === "tracker" ? "States" : "Centre x"}"`);
+    assert.deepEqual(await page.value(BELOW), [], choice);
+  }
 });
 
 onPage("a length in the picture: the CSV has metres as that of host-sim, and the length comes back with its source", async (page) => {

@@ -10,7 +10,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { Browser, hasBrowser } from "./browser.mjs";
-import { BELOW, PACKAGE } from "./library.mjs";
+import { BELOW, CHOSEN_IS_SEEN, PACKAGE } from "./library.mjs";
 
 const HOST_SIM = process.env.SMR_HOST_SIM;
 const FRAMES = 240;
@@ -398,10 +398,17 @@ onViewer("centre and speed are curves, and with a length that is drawn once they
   again.server.kill();
 });
 
-onViewer("all curves stand beside the picture in a window of 1280x900", async (page) => {
+onViewer("all curves of four targets stand beside the picture in a window of 1280x900", async (page) => {
   await page.click("#plays");
-  await dragBox(page, BOX);
+  for (const left of [36, 70, 100, 130]) {
+    await page.click("#add");
+    await dragBox(page, [left, 24, 24, 28]);
+    await commands(page, new RegExp(`${left},24,24,28`));
+  }
   await followedAll(page);
+  await page.key("End");
+  await isAt(page, FRAMES);
+  await page.until(CHOSEN_IS_SEEN);
   for (const [choice, titles] of [["tracker", "States,Confidence,Identity,Ratio"], ["movement", "Centre x,Centre y,Speed"]]) {
     await page.select("curve", choice);
     await page.until(`[...document.querySelectorAll("#curves .panel b")].map((title) => title.textContent).join() === "${titles}"`);
