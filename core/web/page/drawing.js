@@ -202,13 +202,15 @@ function drawChosen(chosen) {
   byId("now").hidden = chosen === null;
   drawFigures(byId("figures"), app.recording.method, chosen === null ? undefined : answers.at(chosen.id, shown));
   byId("curves").hidden = chosen === null;
+  write(byId("whose"), chosen === null ? "" : nameOf(chosen));
   if (chosen !== null && seesCurves() && shown !== null) {
     const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
     const range = { first: end - FRAMES + 1, last: end };
     const { method, length } = app.recording;
+    byId("whose").style.setProperty("--of", colorOf(chosen.id));
     const charts = byId("curve").value === "movement"
-      ? movementOf(byId("curves"), method, { ...range, boxAt: trailOf(chosen), timeOf, length })
-      : chartsOf(byId("curves"), method, answers.around(chosen.id, range.first, range.last));
+      ? movementOf(byId("curves"), chosen.id, { ...range, boxAt: trailOf(chosen), timeOf, length })
+      : chartsOf(byId("curves"), chosen.id, method, answers.around(chosen.id, range.first, range.last));
     graph.draw({ charts, ...range, now: shown, named, timeOf });
   }
 }

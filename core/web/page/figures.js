@@ -43,9 +43,9 @@ export function drawFigures(table, method, now) {
 export const FRAMES = 300;
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
 
-/** Returns charts for graph.js, of the answers in `around` (see answers.js); empty charts if it is undefined. */
-export function chartsOf(place, method, around) {
-  const lines = (column, read) => (around === undefined ? [] : [{ title: "", look: method, numbers: around.last("number"), values: around.last(column).map(read) }]);
+/** Returns charts for graph.js, of the answers of `method` in `around` (see answers.js); empty charts if it is undefined. */
+export function chartsOf(place, look, method, around) {
+  const lines = (column, read) => (around === undefined ? [] : [{ title: "", look, numbers: around.last("number"), values: around.last(column).map(read) }]);
   const part = (value) => value / 65535;
   const curve = (title, column) => ({ place, title, most: 1, digits: 3, lines: lines(column, part) });
   return [

@@ -128,7 +128,7 @@ export class Graph {
     canvas.style.height = `${(chart.bands ? BAND * chart.bands.length + 2 * EDGE : this.#height) + (hasAxis ? AXIS : 0)}px`;
     const [said, cursor, pointer] = [htmlNode("span", { class: "frame" }), htmlNode("div", { class: "cursor" }), htmlNode("div", { class: "pointer" })];
     const values = linesOf(chart).map((line) => document.createTextNode(line.title));
-    const legend = linesOf(chart).map((line, at) => htmlNode("span", { class: "value" }, sample(line.look, line.isSecond), values[at]));
+    const legend = linesOf(chart).map((line, at) => htmlNode("span", { class: "value" }, ...(line.title === "" ? [] : [sample(line.look, line.isSecond)]), values[at]));
     const name = htmlNode("div", { class: "name" }, htmlNode("b", {}, chart.title), said, ...legend);
     const panel = htmlNode("div", { class: "panel" }, name, htmlNode("div", { class: "chart" }, canvas, cursor, pointer));
     chart.place.append(panel);

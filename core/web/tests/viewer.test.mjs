@@ -415,6 +415,14 @@ onViewer("all curves of four targets stand beside the picture in a window of 128
     assert.equal(await page.value(`scrollY`), 0);
     assert.deepEqual(await page.value(BELOW), [], choice);
   }
+  // The name and the curve are those of the chosen target, in its colour.
+  await page.click("#targets li:nth-child(2) input");
+  await page.until(`document.getElementById("whose").textContent === "target2"`);
+  await page.until(`(() => {
+    const canvas = document.querySelector("#curves canvas");
+    const pixels = new Uint32Array(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+    return pixels.includes(0xffffa84a) && !pixels.includes(0xffc76eff) && document.getElementById("whose").style.getPropertyValue("--of") === "rgb(74, 168, 255)";
+  })()`);
 });
 
 onViewer("a target that is gone has no box until it is back, and the line that is shown repeats it", async (page) => {
