@@ -14,6 +14,14 @@ export const HOST_SIM = process.env.SMR_HOST_SIM;
 /** An expression of a page: the charts that reach beyond the window, and those whose name and value do not fit in a line. */
 export const BELOW = `[...document.querySelectorAll("#curves .panel")].filter((panel) => panel.getBoundingClientRect().bottom > innerHeight
   || panel.firstElementChild.scrollWidth > panel.clientWidth || panel.firstElementChild.offsetHeight > 24).map((panel) => panel.textContent)`;
+/** An expression of a page: opens the menu of files, and tells if all of it is in the window's width. */
+export const MENU_IS_SEEN = `(() => {
+  const menu = document.querySelector(".menu");
+  menu.open = true;
+  const { left, right } = menu.lastElementChild.getBoundingClientRect();
+  menu.open = false;
+  return left >= 0 && right <= innerWidth;
+})()`;
 /** An expression of a page: the chosen target is in sight in the list of targets. */
 export const CHOSEN_IS_SEEN = `(() => {
   const [list, chosen] = [document.getElementById("targets"), document.querySelector("#targets .chosen")].map((node) => node.getBoundingClientRect());

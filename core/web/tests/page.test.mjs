@@ -8,7 +8,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { Browser } from "./browser.mjs";
-import { BELOW, CHOSEN_IS_SEEN, HOST_SIM } from "./library.mjs";
+import { BELOW, CHOSEN_IS_SEEN, MENU_IS_SEEN, HOST_SIM } from "./library.mjs";
 import {
   FRAMES, NUMBER, PRESSED, STARTED, address, answers, boxes, browser, choose, columns, downloaded, dragBox, folder, followed, host, lines, onPage, pausedAt, replays, same,
   settled, shoot, why,
@@ -96,7 +96,7 @@ onPage("a page of 390 pixels, by keys alone, with several targets", async (page)
   assert.deepEqual([x, y, width, height], [125, 91, 75, 61]);
   await followed(page);
   assert.deepEqual(await answers(page), told(...words));
-  assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth`), true);
+  assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth && ${MENU_IS_SEEN}`), true);
   assert.ok((await page.value(`document.getElementById("stage").getBoundingClientRect().top + scrollY`)) < 844 / 4, "text above the picture");
   await shoot(page, "narrow", 390);
 }, { width: 390, height: 844 });

@@ -10,7 +10,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { Browser, hasBrowser } from "./browser.mjs";
-import { BELOW, CHOSEN_IS_SEEN, PACKAGE } from "./library.mjs";
+import { BELOW, CHOSEN_IS_SEEN, MENU_IS_SEEN, PACKAGE } from "./library.mjs";
 
 const HOST_SIM = process.env.SMR_HOST_SIM;
 const FRAMES = 240;
@@ -266,7 +266,7 @@ onViewer("390 pixels wide, with a finger and with keys alone, several targets", 
   await page.value(`{ const [, field] = document.querySelectorAll("#targets [type=text]"); field.value = "red car"; field.dispatchEvent(new Event("change")); }`);
   await commands(page, /--init red_car=63,46,40,30@11/);
   await followedAll(page);
-  assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth`), true);
+  assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth && ${MENU_IS_SEEN}`), true);
   const targets = new Set(parsed(await boxes(page, "json")).map(({ target }) => target));
   assert.deepEqual([...targets].sort(), ["red_car", "target1"]);
   await shoot(page, "narrow", 390);
