@@ -4,7 +4,7 @@ import { byId } from "./dom.js";
 import { Drag, gripOf, inside } from "./drag.js";
 import { draw } from "./drawing.js";
 import { isGone, lockIn, nameOf } from "./edits.js";
-import { lineDrag } from "./length.js";
+import { lineDrag, useLength } from "./length.js";
 import { doubtOf, slipOf } from "./question.js";
 import { answers, app, boxOf, complain, isThere, say, silent, size, targetOf, whole, write } from "./state.js";
 
@@ -140,8 +140,9 @@ export function undo(isRedo) {
   if (proposed !== null && !isRedo) {
     drag.drop();
   } else if (isRedo ? edits.canRedo : edits.canUndo) {
-    isRedo ? edits.redo() : edits.undo();
-    changed();
+    const now = app.recording.length ?? null;
+    const length = isRedo ? edits.redo(now) : edits.undo(now);
+    length === undefined ? changed() : useLength(length);
   }
 }
 

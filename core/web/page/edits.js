@@ -56,7 +56,7 @@ export class Edits {
   /** The largest id that was ever given. It never goes back, so that no id is given twice. */
   ids = 0;
   #chosen = null; // an id; null: the next box is a new target
-  #past = []; // { targets, chosen, checked } before each change
+  #past = []; // { targets, chosen, checked } before each change; with `length`, if the length in the picture was changed
   #future = [];
   #steps = []; // the last changes: the targets after each, and all that was before
 
@@ -174,16 +174,24 @@ export class Edits {
     return null;
   }
 
-  undo() {
-    if (this.canUndo) {
-      this.#change(this.#past.at(-1), this.#past.slice(0, -1), [...this.#future, this.#now]);
-    }
+  /** Notes that the user has changed the length in the picture, which was `length` before, so that it can be undone. */
+  measured(length) {
+    [this.#past, this.#future] = [[...this.#past, { ...this.#now, length }].slice(-MAX_UNDONE), []];
   }
 
-  redo() {
-    if (this.canRedo) {
-      this.#change(this.#future.at(-1), [...this.#past, this.#now], this.#future.slice(0, -1));
-    }
+  /**
+   * Undoes the last change. If that is one of the length in the picture, which is `length` now, returns the length that it
+   * was; else undefined.
+   */
+  undo(length) {
+    const step = this.#past.at(-1);
+    return step && this.#goTo(step, this.#past.slice(0, -1), [...this.#future, this.#opposite(step, length)]);
+  }
+
+  /** Does again what was undone last. Takes and returns a length as `undo` does. */
+  redo(length) {
+    const step = this.#future.at(-1);
+    return step && this.#goTo(step, [...this.#past, this.#opposite(step, length)], this.#future.slice(0, -1));
   }
 
   /** Reverts the refused change that led to the list `targets`, unless the targets have changed again since. */
@@ -202,6 +210,15 @@ export class Edits {
 
   get #now() {
     return { targets: this.targets, chosen: this.#chosen, checked: new Map(this.checked) };
+  }
+
+  #opposite(step, length) {
+    return step.length === undefined ? this.#now : { ...this.#now, length };
+  }
+
+  #goTo(step, past, future) {
+    step.length === undefined ? this.#change(step, past, future) : ([this.#past, this.#future] = [past, future]);
+    return step.length;
   }
 
   // Sets the targets, the chosen one and the history, and stores the former state for `takeBack`.

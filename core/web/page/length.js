@@ -33,10 +33,20 @@ export function takeLength() {
 export const dropLength = () => keep(null);
 
 async function keep(length) {
-  if ((await trying(app.source.length(length))) !== "") {
+  const before = app.recording.length ?? null;
+  if (await useLength(length)) {
+    app.edits.measured(before);
+  }
+}
+
+/** Replaces the length in the picture. Returns false if the source refuses that. */
+export async function useLength(length) {
+  const isKept = (await trying(app.source.length(length))) !== "";
+  if (isKept) {
     app.recording.length = length;
     endMeasuring();
   }
+  return isKept;
 }
 
 /** What a drag on the picture does while a length is measured, see drag.js. */

@@ -181,6 +181,12 @@ onPage("a length in the picture: the CSV has metres as that of host-sim, and the
   await page.click("#dropLength");
   await page.until(`document.getElementById("measured").hidden && document.getElementById("scale").textContent === ""`);
   assert.doesNotMatch(await page.text("track"), /metre/);
+  // The step that is undone is that of the length: the box stays.
+  await page.click("#undo");
+  await page.until(`document.getElementById("scale").textContent === "1 m = 33.44 pixels"`);
+  await page.click("#redo");
+  await page.until(`document.getElementById("scale").textContent === ""`);
+  assert.match(await page.text("track"), /--init /);
 });
 
 onPage("work is not lost: the page asks before it is left, and a source that is opened again has its boxes", async (page) => {

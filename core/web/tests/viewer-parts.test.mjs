@@ -38,6 +38,23 @@ test("a box is a new target, a later one a correction, and each step is undone a
   assert.equal(edits.canRedo, false, "after a new change there is nothing to do again");
 });
 
+test("a change of the length in the picture is a step of its own: undo gives the length back, and takes no box away", () => {
+  const edits = new Edits();
+  const [short, long] = [{ pixels_per_metre: 10 }, { pixels_per_metre: 20 }];
+  edits.lock(10, BOX);
+  edits.measured(null);
+  edits.lock(40, BOX);
+  edits.measured(short);
+  assert.deepEqual([edits.undo(long), numbers(edits)], [short, [[10, 40]]]);
+  assert.deepEqual([edits.undo(short), numbers(edits)], [undefined, [[10]]]);
+  assert.deepEqual([edits.undo(short), numbers(edits)], [null, [[10]]]);
+  assert.deepEqual([edits.redo(null), edits.redo(short), edits.redo(short), numbers(edits), edits.canRedo], [short, undefined, long, [[10, 40]], false]);
+  assert.deepEqual([edits.undo(long), edits.undo(short), edits.undo(short), edits.undo(null), edits.canUndo], [short, undefined, null, undefined, false]);
+  edits.redo(null);
+  edits.measured(null);
+  assert.equal(edits.canRedo, false, "after a new length there is nothing to do again");
+});
+
 test("the last box of a target takes the target with it, and its number is not used again", () => {
   const edits = new Edits();
   edits.lock(1, BOX);

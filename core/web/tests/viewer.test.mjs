@@ -392,6 +392,11 @@ onViewer("centre and speed are curves, and with a length that is drawn once they
   await one.click("#dropLength");
   await commands(one, /--method robust$/);
   await commands(other, /--method robust$/);
+  await one.click("#undo");
+  await commands(one, /36,24,24,28 .*--pixels-per-metre/);
+  await commands(other, /36,24,24,28 .*--pixels-per-metre/);
+  await one.click("#redo");
+  await commands(other, /36,24,24,28 .*--method robust$/);
   assert.deepEqual([one.errors, other.errors], [[], []]);
   await one.close();
   await other.close();
