@@ -121,7 +121,7 @@ export class Truth {
     write(byId("share"), `${Math.floor((100 * known) / Math.max(all, 1))} % checked`);
     const line = this.#lineHere(chosen);
     byId("line").disabled = line === undefined;
-    byId("line").setAttribute("aria-pressed", line?.byHand === true);
+    byId("line").setAttribute("aria-pressed", line?.[0].byHand === true);
     byId("hide").disabled = chosen.locks[0].number >= shown || isGone(chosen, shown);
     byId("hide").setAttribute("aria-pressed", isHidden(chosen, shown));
   }
@@ -183,20 +183,26 @@ export class Truth {
     draw();
   }
 
-  // Returns the box by hand that begins the line through the shown frame, or else the last line before it.
+  // Returns the box that begins the line through the shown frame, or to it; while it plays, else the last line before it:
+  // playing begins when a box is drawn.
   #lineHere({ locks }) {
-    const at = locks.findLastIndex(({ number }) => number < app.playback.shown);
-    return [locks.slice(at, at + 2), locks.slice(Math.max(at - 1, 0), at + 1)].find((pair) => at >= 0 && pair.length === 2 && pair.every(({ box }) => box))?.[0];
+    const { shown, isPlaying } = app.playback;
+    const at = locks.findLastIndex(({ number }) => number < shown);
+    const pairs = [locks.slice(at, at + 2), isPlaying ? locks.slice(Math.max(at - 1, 0), at + 1) : []];
+    return pairs.find((pair) => at >= 0 && pair.length === 2 && pair.every(({ box }) => box));
   }
 
   line() {
     const { chosen } = app.edits;
-    const line = chosen && this.#lineHere(chosen);
-    if (!line) {
+    const [from, to] = (chosen && this.#lineHere(chosen)) ?? [];
+    if (!from) {
       say("Draw a box in an earlier frame and one in a later frame: between two, the boxes can lie on a line.");
       return;
     }
-    app.edits.setByHand(chosen, line.number, !line.byHand);
+    if (to.number < app.playback.shown) {
+      app.playback.visit(to.number); // The user sees what changes.
+    }
+    app.edits.setByHand(chosen, from.number, !from.byHand);
     changed();
   }
 

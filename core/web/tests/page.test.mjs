@@ -232,6 +232,10 @@ onPage("truth by hand is kept in a session, which host-sim view and the page ope
   await page.key("b");
   await page.key("ArrowRight", { shift: true });
   await page.until(`${NUMBER} === 21`);
+  // Behind the last box, no line is shown that the key could change.
+  await page.until(`document.getElementById("line").disabled`);
+  await page.key("b");
+  await page.until(`/^Draw a box in an earlier frame and one in a later frame/.test(document.getElementById("said").textContent)`);
   await page.key("h");
   await page.until(`document.querySelector("#targets li:last-child .now").textContent === "hidden"`);
   await followed(page);
