@@ -176,12 +176,12 @@ function drawReadings() {
 // Draws the fields for a length in the picture.
 export function drawLength() {
   const { measured, recording } = app;
-  byId("movement").hidden = byId("curve").value !== "movement";
   byId("length").ariaPressed = measured !== null;
   byId("measured").hidden = measured === null;
   byId("metres").disabled = byId("takeLength").disabled = !measured?.line;
   byId("dropLength").disabled = !recording.length;
   write(byId("scale"), scaleOf(recording.length));
+  byId("scale").hidden = !recording.length || byId("curve").value !== "movement";
 }
 
 function drawTargets(chosen) {

@@ -27,7 +27,12 @@ export function endMeasuring() {
 export function takeLength() {
   const text = byId("metres").value;
   const length = lengthOf(app.measured.line, text);
-  length === null ? say(`"${text}" is no length: expected metres, such as 2.5.`) : keep(length);
+  if (length === null) {
+    say(`"${text}" is no length: expected metres, such as 2.5.`);
+    return;
+  }
+  byId("curve").value = "movement";
+  keep(length);
 }
 
 export const dropLength = () => keep(null);

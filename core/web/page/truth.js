@@ -171,7 +171,7 @@ export class Truth {
     doubts.sort((one, other) => one.number - other.number);
     const next = doubts.find(({ number }) => number > playback.frame) ?? doubts[0] ?? open.map(([number]) => ({ kind: "unseen", number }))[0];
     if (next === undefined) {
-      say(`All frames are checked: Export, ${app.source.make ? "Recording with truth" : "Session"}.`);
+      say(`All frames are checked: Files, ${app.source.make ? "Recording with truth" : "Session"}.`);
       return;
     }
     playback.visit(next.number);
