@@ -207,8 +207,8 @@ function opened(facts) {
   const { recording, playback, kind } = app;
   say("");
   document.querySelectorAll("[data-in]").forEach((node) => (node.hidden = node.dataset.in !== kind));
-  document.title = recording.name;
-  byId("name").textContent = recording.name;
+  // Of several recordings, the links to all call each by a name of its own.
+  document.title = byId("name").textContent = document.querySelector("nav [aria-current]")?.textContent ?? recording.name;
   byId("version").textContent = recording.version;
   byId("stage").style.setProperty("--ratio", recording.width / recording.height);
   forget();

@@ -5,7 +5,7 @@
 
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { mkdirSync, mkdtempSync, existsSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, mkdirSync, mkdtempSync, existsSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
@@ -31,6 +31,10 @@ before(() => {
     mkdirSync(PACKAGE, { recursive: true });
     assert.equal(host("convert", "synthetic", "--out", "clip.y4m").status, 0);
     assert.equal(host("convert", "synthetic", "--frames", "..20", "--out", "second clip.y4m").status, 0);
+    for (const name of ["a", "b"]) {
+      mkdirSync(join(folder, name));
+      copyFileSync(join(folder, "second clip.y4m"), join(folder, name, "Versuch ü.y4m"));
+    }
     browser = new Browser();
   }
 });
@@ -758,6 +762,16 @@ onViewer("several recordings have a page each, and the names of the others are o
   assert.deepEqual(await page.value(recordings), ["clip mouse", "second clip target1"]);
   rmSync(join(folder, "second clip.y4m.smr.json"));
 }, { words: ["clip.y4m", "second clip.y4m"] });
+
+onViewer("two recordings of the same name have the names of their links, in the heading and the title of the window", async (page) => {
+  const names = `[document.querySelector("nav [aria-current]").textContent, document.getElementById("name").textContent, document.title].join()`;
+  await page.click("nav a");
+  await page.until(`document.getElementById("name")?.textContent === "Versuch ü (2)"`);
+  assert.equal(await page.value(names), "Versuch ü (2),Versuch ü (2),Versuch ü (2)");
+  await page.click("nav a");
+  await page.until(`document.getElementById("name")?.textContent === "Versuch ü"`);
+  assert.equal(await page.value(names), "Versuch ü,Versuch ü,Versuch ü");
+}, { words: ["a/Versuch ü.y4m", "b/Versuch ü.y4m"] });
 
 test("when host-sim has ended, the viewer says so; opened again, it shows what was drawn where the user was", { skip: why ?? false }, async () => {
   rmSync(join(folder, SESSION), { force: true });
