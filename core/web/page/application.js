@@ -10,7 +10,7 @@ import { pressed } from "./keys.js";
 import { dropLength, measure as measureLength, takeLength } from "./length.js";
 import { ENDED } from "./messages.js";
 import { Playback, frameNamed } from "./playback.js";
-import { answers, app, begin, say, silent, size, targetOf, timeOf, trying } from "./state.js";
+import { answers, app, begin, focusStage, say, silent, size, targetOf, timeOf, trying } from "./state.js";
 import { chosenTracker, showMethod, showTracker } from "./tracker-settings.js";
 import { Truth } from "./truth.js";
 import { Viewport } from "./viewport.js";
@@ -130,7 +130,7 @@ function listen() {
     length: measureLength,
     add: () => {
       choose(null);
-      byId("stage").focus({ preventScroll: true });
+      focusStage();
     },
   };
   const listenTo = (event) => ([id, act]) =>

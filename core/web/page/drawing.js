@@ -204,8 +204,10 @@ function drawChosen(chosen) {
   byId("curves").hidden = chosen === null;
   write(byId("whose"), chosen === null ? "" : nameOf(chosen));
   if (chosen !== null && seesCurves() && shown !== null) {
-    const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
-    const range = { first: end - FRAMES + 1, last: end };
+    const isOpen = app.kind === "live" || app.recording.frames === null;
+    const count = isOpen ? FRAMES : Math.min(FRAMES, last - first + 1);
+    const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + count - 1, Math.max(last, FRAMES)));
+    const range = { first: end - count + 1, last: end };
     const { method, length } = app.recording;
     byId("whose").style.setProperty("--of", colorOf(chosen.id));
     const charts = byId("curve").value === "movement"

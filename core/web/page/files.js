@@ -17,7 +17,17 @@ function save(name, content) {
   setTimeout(() => URL.revokeObjectURL(address), 60_000);
 }
 
+/** Closes the menu of files. If it has the focus, its button gets it. */
+export function closeMenu() {
+  const menu = byId("export");
+  if (menu.open && menu.contains(document.activeElement)) {
+    menu.firstElementChild.focus();
+  }
+  menu.open = false;
+}
+
 export async function take(format) {
+  closeMenu();
   await app.truth.send();
   const file = await trying(app.source.boxes(format, app.edits.chosen));
   if (file !== "") {
@@ -27,6 +37,7 @@ export async function take(format) {
 }
 
 export async function make(what, options) {
+  closeMenu();
   await app.truth.send();
   const made = await trying(app.source.make(what, options));
   if (made !== "" && !byId(`made${made.id}`)) {
@@ -57,6 +68,7 @@ export async function read(file) {
     return;
   }
   say("");
+  closeMenu();
   byId("boxes").value = "";
   app.truth.send();
   const found = await trying(app.source.read(file));

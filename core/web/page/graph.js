@@ -6,7 +6,7 @@ import { placeOf } from "./events.js";
 import { lookOf, palette } from "./palette.js";
 
 const LEFT = 56, RIGHT = 14, BAND = 18, AXIS = 18, EDGE = 6;
-const LABEL = 64; // pixels for each label of the axis
+const LABEL = 50; // pixels for each label of the axis
 const FEWEST = 5; // frames that a zoom leaves
 const STEADY = 4; // pixels that a click may move
 const UNKNOWN = "–";
@@ -267,11 +267,14 @@ export class Graph {
 
   #drawAxis(context, x, y, width) {
     const { from, to } = this.#span();
+    let end = 0; // of the last label
     const step = Math.max(stepOf(LABEL / (x(1) - x(0))), 1);
     for (let number = Math.ceil(Math.max(from, 1) / step) * step; number <= to; number += step) {
       const text = this.#shown.named(number);
-      if (x(number) + context.measureText(text).width / 2 <= width) {
+      const half = context.measureText(text).width / 2;
+      if (x(number) - half > end && x(number) + half <= width) {
         label(context, text, x(number), y, "center");
+        end = x(number) + half + 4;
       }
     }
   }

@@ -2,6 +2,7 @@
 
 import { choose, undo, unlock } from "./boxes.js";
 import { byId } from "./dom.js";
+import { closeMenu } from "./files.js";
 import { endMeasuring } from "./length.js";
 import { app, say } from "./state.js";
 
@@ -40,7 +41,7 @@ function acted(event) {
   return isActed;
 }
 
-// Closes the help, ends measuring a length or closes the menu of exports. Returns false if there is nothing to end.
+// Closes the help, ends measuring a length or closes the menu of files. Returns false if there is nothing to end.
 function closed() {
   const [help, menu] = [byId("help"), byId("export")];
   if (help.matches(":popover-open")) {
@@ -52,10 +53,7 @@ function closed() {
     return true;
   }
   const isOpen = menu.open;
-  if (isOpen && menu.contains(document.activeElement)) {
-    menu.firstElementChild.focus();
-  }
-  menu.open = false;
+  closeMenu();
   return isOpen;
 }
 

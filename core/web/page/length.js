@@ -3,7 +3,7 @@
 import { byId } from "./dom.js";
 import { draw, drawLength } from "./drawing.js";
 import { lengthOf, lineOf, metresOf } from "./movement.js";
-import { app, say, size, trying } from "./state.js";
+import { app, focusStage, say, size, trying } from "./state.js";
 
 /** Begins to draw the line, or ends that. */
 export function measure() {
@@ -14,7 +14,7 @@ export function measure() {
   app.drag.drop();
   app.measured = { line: lineOf(app.recording.length), drawn: null };
   byId("metres").value = metresOf(app.recording.length);
-  byId("stage").focus({ preventScroll: true });
+  focusStage();
   draw();
 }
 

@@ -72,7 +72,7 @@ export function movementOf(place, look, { first, last, boxAt, timeOf, length }) 
     };
   };
   return [
-    ...["x", "y"].map((axis) => chart(`Centre ${axis}`, unit, centres.map((centre) => centre && centre[axis] / per))),
+    ...[["x", "→"], ["y", "↓"]].map(([axis, way]) => chart(`Centre ${axis} ${way}`, unit, centres.map((centre) => centre && centre[axis] / per))),
     chart(centres.some((centre) => centre?.time === null) ? "Speed: no times" : "Speed", `${unit}/s`, centres.map((centre, at) => speedOf(centres[at - 1], centre, per)), 0),
   ];
 }

@@ -66,6 +66,12 @@ export function write(node, text) {
   }
 }
 
+/** Lets the user draw by keys. The page scrolls no further than the picture needs to be seen. */
+export function focusStage() {
+  byId("stage").focus({ preventScroll: true });
+  byId("stage").scrollIntoView({ block: "nearest" });
+}
+
 export const size = () => (app.playback.shown === null ? null : { width: app.recording.width, height: app.recording.height });
 
 export const timeOf = (number) => app.recording.timeOf?.(number) ?? app.recording.times?.[number - app.recording.first] ?? (app.recording.rate ? (number - app.recording.first) / app.recording.rate : null);

@@ -35,7 +35,7 @@ export class Truth {
       return node;
     };
     byId("truth").append(
-      htmlNode("output", { id: "share" }),
+      htmlNode("output", { id: "share", title: "Frames in which you have looked at this target's box, or said where it is" }),
       button("look", "Go to the next frame that is not checked (N)", "Next", () => this.next()),
       button("line", "The boxes between two of yours lie on a line between them (B)", "By hand", () => this.line()),
       button("hide", "Something covers the target: from here, or up to here (H)", "Hidden", () => this.hide()),

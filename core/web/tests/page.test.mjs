@@ -98,6 +98,10 @@ onPage("a page of 390 pixels, by keys alone, with several targets", async (page)
   assert.deepEqual(await answers(page), told(...words));
   assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth && ${MENU_IS_SEEN}`), true);
   assert.ok((await page.value(`document.getElementById("stage").getBoundingClientRect().top + scrollY`)) < 844 / 4, "text above the picture");
+  await page.value(`scrollTo(0, document.documentElement.scrollHeight)`);
+  await page.click("#length");
+  assert.equal(await page.value(`document.getElementById("stage").getBoundingClientRect().top > -1`), true, "the picture is in sight");
+  await page.key("Escape");
   await shoot(page, "narrow", 390);
 }, { width: 390, height: 844 });
 
@@ -151,7 +155,7 @@ onPage("all curves of four targets stand beside the picture in a window of 1280x
   await page.value(`scrollTo(0, 0)`);
   for (const choice of ["tracker", "movement"]) {
     await page.select("curve", choice);
-    await page.until(`document.querySelector("#curves b").textContent === "${choice === "tracker" ? "States" : "Centre x"}"`);
+    await page.until(`document.querySelector("#curves b").textContent === "${choice === "tracker" ? "States" : "Centre x →"}"`);
     assert.deepEqual(await page.value(BELOW), [], choice);
   }
 });
@@ -160,7 +164,7 @@ onPage("a length in the picture: the CSV has metres as that of host-sim, and the
   await pausedAt(page, 40);
   assert.deepEqual(await page.value(BELOW), [], "the curves of the tracker stand beside the picture");
   await page.select("curve", "movement");
-  await page.until(`[...document.querySelectorAll("#curves .panel b")].map((title) => title.textContent).join() === "Centre x,Centre y,Speed: no times"`);
+  await page.until(`[...document.querySelectorAll("#curves .panel b")].map((title) => title.textContent).join() === "Centre x →,Centre y ↓,Speed: no times"`);
   await page.click("#length");
   await dragBox(page, { x: 30, y: 200, width: 250, height: -20 });
   await page.until(`document.activeElement.id === "metres"`);
@@ -242,7 +246,9 @@ onPage("truth by hand is kept in a session, which host-sim view and the page ope
   await page.until(`/^[1-9]\\d* % checked$/.test(document.getElementById("share").textContent)`);
   const share = await page.text("share");
   const saved = join(folder, "street.smr.json");
+  await page.value(`document.getElementById("export").open = true`);
   copyFileSync(await downloaded(page, "Session", ".smr.json"), saved);
+  assert.equal(await page.value(`document.getElementById("export").open`), false, "the menu closes when a file is made");
   const work = JSON.parse(readFileSync(saved, "utf8"));
   const [, marked] = work.targets;
   assert.deepEqual(marked.locks.map(({ frame, box, by_hand: byHand }) => [frame, box, byHand]), [[1, [40, 80, 20, 20], true], [11, [64, 104, 20, 20], false]]);

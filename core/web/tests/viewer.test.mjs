@@ -325,7 +325,7 @@ async function movesAs(page, frame, [x, y, speed], unit) {
   const line = (await boxes(page, "csv")).split("\n").find((row) => row.startsWith(`${frame},`)).split(",");
   const names = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,identity,scale,work,centre_x,centre_y,speed,centre_x_m,centre_y_m,speed_m_s".split(",");
   const value = (name) => line[names.indexOf(name)];
-  for (const [title, name, of] of [["Centre x", x, unit], ["Centre y", y, unit], ["Speed", speed, `${unit}/s`]]) {
+  for (const [title, name, of] of [["Centre x →", x, unit], ["Centre y ↓", y, unit], ["Speed", speed, `${unit}/s`]]) {
     await page.until(`${curve(title)} === "${four(value(name))} ${of}"`);
   }
 }
@@ -382,7 +382,7 @@ onViewer("centre and speed are curves, and with a length that is drawn once they
   // Where the target is hidden, there is no value.
   await focus(page);
   await page.key("h");
-  await page.until(`["Centre x", "Centre y", "Speed"].every((title) => [...document.querySelectorAll("#curves .panel")].find((panel) => panel.querySelector("b").textContent === title).querySelector(".value").textContent.trim() === "–")`);
+  await page.until(`["Centre x →", "Centre y ↓", "Speed"].every((title) => [...document.querySelectorAll("#curves .panel")].find((panel) => panel.querySelector("b").textContent === title).querySelector(".value").textContent.trim() === "–")`);
   server.kill();
   await says(page, "said", /^host-sim has ended/);
   page.errors.length = 0; // of requests that host-sim does not answer any more
@@ -419,7 +419,7 @@ onViewer("all curves of four targets stand beside the picture in a window of 128
   await page.key("End");
   await isAt(page, FRAMES);
   await page.until(CHOSEN_IS_SEEN);
-  for (const [choice, titles] of [["tracker", "States,Confidence,Identity,Ratio"], ["movement", "Centre x,Centre y,Speed"]]) {
+  for (const [choice, titles] of [["tracker", "States,Confidence,Identity,Ratio"], ["movement", "Centre x →,Centre y ↓,Speed"]]) {
     await page.select("curve", choice);
     await page.until(`[...document.querySelectorAll("#curves .panel b")].map((title) => title.textContent).join() === "${titles}"`);
     assert.equal(await page.value(`scrollY`), 0);
