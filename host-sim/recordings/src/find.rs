@@ -1,29 +1,27 @@
 //! Finds the recordings at a path of the command line: the path itself if it is a recording, else those below it.
 
-use crate::folder::{check_images, entries, files_in, is_of_boxes, is_of_frames, is_recording};
+use crate::folder::{INNER, check_images, entries, files_in, is_of_boxes, is_of_frames, is_recording};
+use crate::formats::images::is_image;
 use crate::open::is_sequence;
 use anyhow::{Context, Result, bail};
 use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Returns the recordings at `paths`: each path that is a recording, for a folder with several videos and no boxes these
-/// videos, and for any other folder the recordings among its subfolders of any depth, in natural order.
+/// Returns the recordings at `paths`: each path that is a recording, and for a folder of recordings its videos and the
+/// recordings in its subfolders of any depth, in natural order.
 pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let found: Result<Vec<_>> = paths.iter().map(|path| of_path(path)).collect();
     Ok(found?.concat())
 }
 
 fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
-    if let Some(videos) = several_in(path) {
-        return Ok(videos);
-    }
-    if is_sequence(path) {
+    if !path.is_dir() && is_sequence(path) {
         return Ok(vec![path.to_owned()]);
     }
-    let entries = folders(path).with_context(|| format!("{}: neither a recording nor a folder", path.display()))?;
+    entries(path).with_context(|| format!("{}: neither a recording nor a folder", path.display()))?;
     let mut found = Vec::new();
-    look_into(entries, &mut found, &mut path.canonicalize().into_iter().collect())?;
+    look_into(path.to_owned(), &mut found, &mut HashSet::new())?;
     if found.is_empty() {
         check_images(path)?;
         bail!("{}: no recording in it: expected one, or folders of recordings", path.display());
@@ -31,32 +29,42 @@ fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// Finds the recordings in folders, but does not search inside a recording. `seen` holds canonical paths of visited
+/// Finds the recordings in a folder, but does not search inside a recording. `seen` holds canonical paths of visited
 /// folders, because a link to a parent folder would otherwise be followed for ever.
-fn look_into(entries: Vec<PathBuf>, found: &mut Vec<PathBuf>, seen: &mut HashSet<PathBuf>) -> Result<()> {
-    for folder in entries {
-        let cannot_list = || format!("cannot list the folder {}", folder.display());
-        if !seen.insert(folder.canonicalize().with_context(cannot_list)?) {
-            continue;
-        }
-        if let Some(videos) = several_in(&folder) {
-            found.extend(videos);
-        } else if is_sequence(&folder) {
-            found.push(folder);
-        } else {
-            look_into(folders(&folder).with_context(cannot_list)?, found, seen)?;
-        }
+fn look_into(folder: PathBuf, found: &mut Vec<PathBuf>, seen: &mut HashSet<PathBuf>) -> Result<()> {
+    let cannot_list = || format!("cannot list the folder {}", folder.display());
+    if !seen.insert(folder.canonicalize().with_context(cannot_list)?) {
+        return Ok(());
+    }
+    let videos = videos_in(&folder);
+    if videos.is_empty() && is_sequence(&folder) {
+        found.push(folder);
+        return Ok(());
+    }
+    let (before, is_single) = (found.len(), videos.len() == 1);
+    found.extend(videos);
+    for inner in folders(&folder).with_context(cannot_list)? {
+        look_into(inner, found, seen)?;
+    }
+    // A folder with a video alone is a recording of the folder's name.
+    if is_single && found.len() == before + 1 {
+        found[before] = folder;
     }
     Ok(())
 }
 
-/// Returns the videos (also Y4M files and raw dumps) in a folder that has several. `None` if pictures or files of boxes
-/// lie beside them, because it is not clear which of the videos those belong to.
-fn several_in(folder: &Path) -> Option<Vec<PathBuf>> {
-    let mut files = files_in(folder).ok()?;
+/// Returns the videos (also Y4M files and raw dumps) in a folder. There is none if pictures or files of boxes lie beside
+/// them: the folder is one recording then, or it is not clear which of the videos those belong to.
+fn videos_in(folder: &Path) -> Vec<PathBuf> {
+    let mut files = files_in(folder).unwrap_or_default();
     files.retain(|file| is_of_frames(file) || is_of_boxes(file));
     files.sort_by(|a, b| natord::compare(&a.to_string_lossy(), &b.to_string_lossy()));
-    (files.len() > 1 && files.iter().all(|file| is_recording(file))).then_some(files)
+    let is_clear = files.iter().all(|file| is_recording(file)) && (files.len() > 1 || !has_inner_images(folder));
+    if is_clear { files } else { Vec::new() }
+}
+
+fn has_inner_images(folder: &Path) -> bool {
+    INNER.iter().any(|inner| files_in(&folder.join(inner)).is_ok_and(|files| files.iter().any(|file| is_image(file))))
 }
 
 fn folders(path: &Path) -> io::Result<Vec<PathBuf>> {
@@ -93,6 +101,26 @@ mod tests {
             assert_eq!(of_path(&path(whole)).unwrap(), [path(whole)]);
         }
         assert_eq!(of_path(above.path()).unwrap(), ["boxed", "clips/c9.y4m", "clips/c10.y4m", "one"].map(path));
+    }
+
+    #[test]
+    fn videos_and_recordings_in_subfolders_are_recordings_of_one_folder() {
+        let above = folder(
+            "clips/b.y4m clips/a.y4m clips/.trash/x.y4m clips/.c.y4m clips/tag10/c.y4m clips/tag2/Nacht/d.y4m clips/tag2/e/1.png \
+             one/top.y4m one/d1/a.y4m lone/top.y4m lone/notes/x.txt=1 otb/1.y4m otb/img/1.png boxed/1.y4m boxed/gt.txt=1 boxed/old/2.y4m",
+        );
+        let found = |name: &str| {
+            let found = of_path(&above.path().join(name)).unwrap();
+            let name = |path: &PathBuf| path.strip_prefix(above.path()).unwrap().display().to_string();
+            found.iter().map(name).collect::<Vec<_>>()
+        };
+        let clips = ["clips/a.y4m", "clips/b.y4m", "clips/tag2/Nacht", "clips/tag2/e", "clips/tag10"];
+        assert_eq!(found("clips"), clips);
+        assert_eq!(found("one"), ["one/top.y4m", "one/d1"]);
+        for whole in ["lone", "otb", "boxed"] {
+            assert_eq!(found(whole), [whole]);
+        }
+        assert_eq!(found(""), [&["boxed"], &clips[..], &["lone", "one/top.y4m", "one/d1", "otb"]].concat());
     }
 
     #[test]
