@@ -8,7 +8,7 @@ use crate::frame_number::FrameNumber;
 use anyhow::{Context, Result, anyhow, ensure};
 use serde::Deserialize;
 use serde_json::Value as Json;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A video, with the work of each person on it.
 #[derive(Deserialize)]
@@ -17,7 +17,7 @@ struct Task {
     annotations: Option<Vec<Annotation>>,
     /// Names the video, by an address in any of its fields.
     #[serde(default)]
-    data: HashMap<String, Json>,
+    data: BTreeMap<String, Json>,
 }
 
 #[derive(Deserialize)]
@@ -98,25 +98,49 @@ fn task_of<'a>(tasks: &'a [Task], name: &str) -> Result<Option<&'a Task>> {
     if tasks.len() <= 1 {
         return Ok(tasks.first());
     }
-    let mut named = tasks.iter().filter(|task| task.videos().any(|video| is_called(video, name)));
+    let mut named = tasks.iter().filter(|task| task.videos().any(|video| is_called(&video, name)));
     let found = named.next();
     ensure!(
         found.is_some() && named.next().is_none(),
-        "it is about {} videos: expected one called {name}",
-        tasks.len()
+        "it is about {} videos: expected one called {name}, found {}",
+        tasks.len(),
+        names(tasks)
     );
     Ok(found)
 }
 
+/// Lists the names of a few videos for a message.
+fn names(tasks: &[Task]) -> String {
+    let names: Vec<_> = tasks.iter().filter_map(|task| task.videos().find(|name| !name.is_empty())).take(4).collect();
+    match &names[..] {
+        [first, second, third, _] => format!("{first}, {second}, {third}, ..."),
+        few => few.join(", "),
+    }
+}
+
 impl Task {
-    /// Returns the file names of its data, without their extensions.
-    fn videos(&self) -> impl Iterator<Item = &str> {
+    /// Returns the file names of its data, without their extensions: the last in the path of an address, and the last in
+    /// its query (`/data/local-files/?d=folder/clip.mp4`).
+    fn videos(&self) -> impl Iterator<Item = String> {
         let addresses = self.data.values().filter_map(Json::as_str);
-        addresses.filter_map(|address| {
-            let file = address.rsplit(['/', '\\', '=']).next()?;
-            Some(file.rsplit_once('.').map_or(file, |(stem, _)| stem))
+        let parts = addresses.flat_map(|address| [address.split('?').next().unwrap_or_default(), address]);
+        parts.filter_map(|part| {
+            let file = without_percent(part.rsplit(['/', '\\', '=', '?']).next()?);
+            Some(file.rsplit_once('.').map_or(&*file, |(stem, _)| stem).to_owned())
         })
     }
+}
+
+/// Resolves `%20` and the like in a part of an address.
+fn without_percent(text: &str) -> String {
+    let (mut bytes, mut rest) = (Vec::new(), text.as_bytes());
+    while let [first, after @ ..] = rest {
+        let code = after.get(..2).filter(|_| *first == b'%').and_then(|code| std::str::from_utf8(code).ok());
+        let byte = code.and_then(|code| u8::from_str_radix(code, 16).ok());
+        bytes.push(byte.unwrap_or(*first));
+        rest = if byte.is_some() { &after[2..] } else { after };
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// True if Label Studio's file `video` is the video `name`: an upload has a number of eight hexadecimal digits before its

@@ -292,9 +292,13 @@ mod tests {
                 videos.iter().map(|video| task(video, &format!("in {}", video.len()))).collect::<Vec<_>>().join(",")
             )
         };
-        for mine in
-            ["/data/upload/1/3d3ad63e-clip_1.mp4", "/data/local-files/?d=clip 1.mp4", "https://host/a.b/clip 1.webm"]
-        {
+        for mine in [
+            "/data/upload/1/3d3ad63e-clip_1.mp4",
+            "/data/local-files/?d=clip 1.mp4",
+            "/data/local-files/?d=M%C3%A4use/clip%201.mp4",
+            "https://host/a.b/clip 1.webm",
+            "https://host/clip%201.mp4?token=a/b.c&x=%",
+        ] {
             let others = ["/data/upload/1/3d3ad63e-clip_11.mp4", "clip.mp4", "s3://clip 1/other.mp4"];
             let found = export(&[others[0], mine, others[1], others[2]]);
             let at = Labelled { frames: Some(300), ..RECORDING };
@@ -302,8 +306,11 @@ mod tests {
             // Label Studio has counted 24 frames a second, and the recording has 30.
             assert_eq!((read.len(), read[0].starts[0].0), (1, 16), "{mine}");
             assert_eq!(read[0].name.as_deref(), Some(&*format!("in {}", mine.len())), "{mine}");
-            refuses(&export(&others), "it is about 3 videos: expected one called clip 1");
-            refuses(&export(&[mine, mine]), "it is about 2 videos: expected one called clip 1");
+            refuses(
+                &export(&others),
+                "it is about 3 videos: expected one called clip 1, found 3d3ad63e-clip_11, clip, other",
+            );
+            refuses(&export(&[mine, mine]), "it is about 2 videos: expected one called clip 1, found ");
         }
         for (frames, frame) in [(None, 13), (Some(240), 13), (Some(241), 13), (Some(250), 14), (Some(120), 7)] {
             let read = parse(export(&["other.mp4"]).as_bytes(), &Labelled { frames, ..RECORDING }).unwrap();
