@@ -156,8 +156,9 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
     ensure!(options.size.is_none(), "--size is for raw dumps: {at} holds pictures");
     if let Some(recording) = files.iter().find(|file| is_recording(file)) {
         let (image, recording) = (images[0].display(), recording.display());
+        let pictures = if count == 1 { "picture" } else { "pictures" };
         bail!(
-            "{at} holds {recording} and {count} pictures, {image} first: expected one or the other; name the file meant"
+            "{at} holds {recording} and {count} {pictures}, {image} first: expected one or the other; name the file meant"
         );
     }
     images::check_kind(&images[0])?;

@@ -36,7 +36,7 @@ fn folders_that_are_refused() {
     let several = "...expected one kind; move the others away";
     let unread = "...: this kind of picture is not supported: convert it to PNG first";
     let bad = "cannot read @/2.png (frame 2): expected a PNG, JPEG, PGM, PPM or PAM picture: ...";
-    let both = "@ holds @/a.mp4 and 1 pictures, @/1.png first: expected one or the other; name the file meant";
+    let both = "@ holds @/a.mp4 and 1 picture, @/1.png first: expected one or the other; name the file meant";
     let twins = "...two pictures with the same number: expected one for each frame; move the others away";
     for (files, good, expected) in [
         ("", 0, "@ holds no recording: expected pictures (PNG, JPEG, PGM, PPM, PAM) or one video"),
