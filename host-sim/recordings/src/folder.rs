@@ -58,6 +58,20 @@ pub(crate) fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<
     Ok(recording)
 }
 
+/// Returns the video (also Y4M file or raw dump) that is the only recording among the files of its folder, if `path` is
+/// this video or the folder.
+pub fn lone_video(path: &Path) -> Option<PathBuf> {
+    let beside = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = if path.is_dir() { path } else { beside };
+    let files = files_in(folder).ok()?;
+    let video =
+        only_recording(folder, &files).ok().filter(|_| images_in(folder, &files).is_ok_and(|all| all.is_empty()))?;
+    if path.is_dir() {
+        return Some(video.to_owned());
+    }
+    (video.file_name() == path.file_name()).then(|| path.to_owned())
+}
+
 /// Returns an error if `file`, called `name` in messages, is a broken link, a pipe or a device.
 pub(crate) fn check_file(file: &Path, name: &str) -> Result<()> {
     ensure!(file.exists(), "{name} is a link to a file that is not there");

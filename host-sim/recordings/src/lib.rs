@@ -37,7 +37,7 @@ pub use checked_frames::Damaged;
 pub use disturb::{away, cover, fault};
 pub use ffmpeg::{Arrivals, Live, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, is_live, silent};
 pub use find::recordings;
-pub use folder::{INNER, RESULTS, is_of_boxes, is_of_frames};
+pub use folder::{INNER, RESULTS, is_of_boxes, is_of_frames, lone_video};
 pub use formats::images::{ImageFile, decode_colors, decode_image};
 pub use formats::to_gray::{Levels, luma};
 pub use frame::{Frame, Frames, Moment};

@@ -17,7 +17,7 @@ use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::export::{FILM_ENDINGS, PixelsPerMetre};
 use smr_pages::viewer::{
     Camera, Followed, Growing, Job, Length, Lock, Look, Made, Requests, Server, Session, Several, Source, Target,
-    Viewer, Work, check_inside, plain, session_beside,
+    Viewer, Work, check_inside, plain, session_beside, session_owner,
 };
 use smr_recordings::annotations::{self, Labelled};
 use smr_recordings::{FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable, name_of};
@@ -45,12 +45,12 @@ pub struct View {
     /// target is gone in each frame without a line. CVAT for video: each key frame is a lock, and `outside` means gone. CVAT for images:
     /// each shape is a lock of the target that its label names. A shape is read as its bounding box; shapes with source="auto" are answers.
     /// Label Studio: of several videos, that with the name of SEQ is read; if it has numbered another count of frames (by 24 a second, unless
-    /// its configuration says otherwise), each box belongs to the frame at its time.
+    /// its configuration says otherwise), each box belongs to the frame at its time. JSON-MIN is not read.
     #[arg(long, value_name = "FILE", conflicts_with = "init")]
     boxes: Option<PathBuf>,
     /// The file that keeps the targets, the method and its options [default: SEQ.smr.json, beside the recording]
     ///
-    /// `view` creates it at the first change, saves it after each one, and resumes from it. --init and --boxes replace its targets;
+    /// A video alone in its folder has one session, also if SEQ is the folder. `view` creates it at the first change, saves it after each one, and resumes from it. --init and --boxes replace its targets;
     /// --method and tracker options replace its method, and --pixels-per-metre its length; the first change then keeps the old file as FILE~, or FILE~2 if there is a FILE~. A
     /// file that is no session, or that another program has changed meanwhile, stays as it is: `view` then saves to a new file, and says
     /// where. A camera, standard input and a built-in recording have a session only with this option.
@@ -143,13 +143,15 @@ impl View {
         let is_live = source.live().is_some();
         let session_file = self.session.clone().or_else(|| session_beside(path));
         let place = session_file.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
-        let (session, work) = Session::open(session_file, &name)?;
+        let owner = session_owner(path).filter(|_| self.session.is_none() && !is_live);
+        let kept_as = owner.map_or_else(|| name.clone(), |owner| name_of(&owner));
+        let (session, work) = Session::open(session_file, &kept_as)?;
         // Name of the file that the targets come from, for error messages.
         let given_by = self.boxes.as_ref().map(|file| file.display().to_string());
         let from = given_by.or_else(|| session.name().filter(|_| work.is_some())).unwrap_or_else(|| name.clone());
         let is_read = self.boxes.is_some() || work.is_some();
         let (variant, targets) = match work {
-            Some(work) => self.resumed(work, &session, (given, targets), (&name, is_live))?,
+            Some(work) => self.resumed(work, &session, (given, targets), (&kept_as, is_live))?,
             None => (given, targets),
         };
         if let Some(pixels_per_metre) = self.other_length(session.length().as_ref()) {

@@ -36,7 +36,7 @@ pub use ordered_files::{Job, Made};
 pub use recording::Growing;
 pub use routes::{Look, Requests, Viewer, plain};
 pub use server::Server;
-pub use session::{Session, Work, beside as session_beside};
+pub use session::{Session, Work, beside as session_beside, owner as session_owner};
 pub use several::Several;
 pub use source::{Known, LiveState, Source};
 

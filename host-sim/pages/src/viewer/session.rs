@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use smr_files::input::{self, Kind};
 use smr_files::messages;
 use smr_files::output::Output;
-use smr_recordings::{BUILT_IN, is_live};
+use smr_recordings::{BUILT_IN, is_live, lone_video};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -276,6 +276,20 @@ pub fn beside(recording: &Path) -> Option<PathBuf> {
     if recording == Path::new("-") || is_live(recording) || BUILT_IN.iter().any(|name| recording == Path::new(name)) {
         return None;
     }
+    of_path(&owner(recording).unwrap_or_else(|| recording.to_owned()))
+}
+
+/// Returns the path that a recording's session is called by, if the recording is a video alone in its folder: one path,
+/// whether the user names the video or the folder. It is the video, or its folder if only that has a session, as former
+/// versions made it.
+pub fn owner(recording: &Path) -> Option<PathBuf> {
+    let video = lone_video(recording)?;
+    let folder = video.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let has_session = |path: &Path| of_path(path).is_some_and(|file| fs::symlink_metadata(file).is_ok());
+    if has_session(folder) && !has_session(&video) { Some(folder.to_owned()) } else { Some(video) }
+}
+
+fn of_path(recording: &Path) -> Option<PathBuf> {
     let named = recording.file_name().map_or_else(|| recording.canonicalize().ok(), |_| Some(recording.to_owned()))?;
     let mut name = named.file_name()?.to_owned();
     name.push(".smr.json");
@@ -323,6 +337,31 @@ mod tests {
             fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
+    }
+
+    #[test]
+    fn a_video_alone_in_its_folder_has_one_session() {
+        let above = tempfile::tempdir().unwrap();
+        let path = |name: &str| above.path().join(name);
+        let put = |name: &str| fs::write(path(name), "").unwrap();
+        fs::create_dir(path("tag")).unwrap();
+        put("tag/a.y4m");
+        let both = |session: &str| {
+            for named in ["tag", "tag/a.y4m"] {
+                assert_eq!(beside(&path(named)), Some(path(session)), "{named}");
+            }
+        };
+        both("tag/a.y4m.smr.json");
+        put("tag.smr.json");
+        both("tag.smr.json");
+        assert_eq!(owner(&path("tag/a.y4m")), Some(path("tag")));
+        put("tag/a.y4m.smr.json");
+        both("tag/a.y4m.smr.json");
+        assert_eq!(owner(&path("tag")), Some(path("tag/a.y4m")));
+        put("tag/b.y4m");
+        assert_eq!(beside(&path("tag/b.y4m")), Some(path("tag/b.y4m.smr.json")));
+        put("tag/1.png");
+        assert_eq!((owner(&path("tag")), beside(&path("tag"))), (None, Some(path("tag.smr.json"))));
     }
 
     #[test]
