@@ -10,6 +10,7 @@ mod several;
 
 use super::paths::{Taken, listed};
 use super::recording_options::RecordingOptions;
+use super::shell;
 use super::tracker_options::TrackerOptions;
 use super::video::{AnswersVideo, Look, Mark};
 use anyhow::{Result, bail, ensure};
@@ -17,7 +18,7 @@ use smr_evaluation::{MethodKind, Variant};
 use smr_files::messages::choice_name;
 use smr_pages::export::boxes::Format;
 use smr_pages::export::{FILM_ENDINGS, PixelsPerMetre, Plan};
-use smr_recordings::{BoundingBox, Sequence, Target};
+use smr_recordings::{BUILT_IN, BoundingBox, Sequence, Target, is_live};
 use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 
@@ -121,6 +122,17 @@ impl Track {
             self.draw.len() < 2 || !self.draw.contains(&Mark::Nothing),
             "--draw nothing stands alone: expected no other mark"
         );
+        let is_name = |path: &&PathBuf| {
+            let is_word = path.extension().is_none() && path.components().count() == 1 && *path != Path::new("-");
+            is_word && !path.exists() && !BUILT_IN.iter().any(|name| *path == Path::new(name)) && !is_live(path)
+        };
+        if self.crop == Some(None)
+            && self.sequences.len() > 1
+            && let Some(name) = self.sequences.iter().find(is_name)
+        {
+            let word = shell::word(name.as_os_str());
+            bail!("{}: there is no such recording; did you mean --crop={word}?", name.display());
+        }
         // An invalid option is reported once here, not for each recording.
         self.recording.check_init()?;
         self.given_variant().map(drop)
@@ -169,7 +181,11 @@ impl Track {
     fn cropped(&self, targets: &[Target]) -> Result<Option<(usize, BoundingBox)>> {
         let Some(wanted) = &self.crop else { return Ok(None) };
         let is_it = |target: &Target| wanted.is_none() || target.name == *wanted;
-        let Some(at) = targets.iter().position(is_it) else {
+        // The page of `view` writes a name without spaces.
+        let in_page = |name: &Option<String>| name.as_ref().map(|name| name.replace([' ', '.'], "_"));
+        let is_alike = |target: &Target| in_page(&target.name) == in_page(wanted);
+        let found = targets.iter().position(is_it).or_else(|| targets.iter().position(is_alike));
+        let Some(at) = found else {
             let names: Vec<_> = targets.iter().filter_map(|target| target.name.as_deref()).collect();
             let expected =
                 if names.is_empty() { "--crop alone, as no target has a name".to_owned() } else { names.join(", ") };

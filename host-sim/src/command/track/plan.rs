@@ -20,6 +20,8 @@ pub struct Plan<'a> {
     pub recordings: Vec<Planned<'a>>,
     pub format: Format,
     pub has_events: bool,
+    /// Folders that were made. They go if no file is written into them.
+    pub made: Vec<PathBuf>,
 }
 
 pub struct Planned<'a> {
@@ -55,6 +57,7 @@ impl<'a> Plan<'a> {
             files.writes("--out", one.boxes.as_ref(), None).writes("--video", one.film.as_ref(), None)
         });
         files.check()?;
+        let made = boxes.into_iter().chain(films).filter(|folder| !folder.exists()).map(Path::to_owned).collect();
         boxes.into_iter().chain(films).try_for_each(make_folder)?;
         for Planned { path, name, kept, .. } in &mut recordings {
             if *name != name_of(path) {
@@ -63,7 +66,7 @@ impl<'a> Plan<'a> {
             *kept = opened::session(track, path, name);
         }
         let has_events = films.is_some() && track.outputs().0.is_none() && stdout().is_terminal();
-        Ok(Self { track, recordings, format, has_events })
+        Ok(Self { track, recordings, format, has_events, made })
     }
 
     /// True if a length is known in one of the recordings: a table of all has columns in metres then.

@@ -15,7 +15,9 @@ use rayon::prelude::*;
 use smr_files::messages;
 use smr_files::output::{Output, complain};
 use smr_files::signals;
+use smr_pages::export::boxes::Format;
 use std::collections::BTreeMap;
+use std::fs;
 use std::io::{IsTerminal, stdout};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -50,6 +52,10 @@ pub fn follow(track: &Track, found: &[PathBuf]) -> Result<Outcome> {
         collected
     })?;
     bar.clear();
+    for folder in &plan.made {
+        // A folder with a file stays.
+        let _ = fs::remove_dir(folder);
+    }
     let is_stopped = signals::stopped_by();
     if is_stopped.is_some() {
         complain("stopped: the results are those of the recordings that were done");
@@ -106,6 +112,11 @@ impl Run<'_> {
             None => Lines::Kept(String::new()),
         };
         let has_metres = opened.pixels_per_metre.is_some() || (boxes.is_none() && self.plan.has_metres());
+        let is_table = format == Format::Csv && matches!(lines, Lines::Kept(_));
+        if is_table && has_metres && opened.pixels_per_metre.is_none() {
+            let note = format!("note: {name}: no length in the picture: its columns in metres are empty");
+            self.bar.suspend(|| complain(&note));
+        }
         let printer = opened.printer(format, boxes.is_none(), has_metres);
         let head = printer.head();
         let (film, bar) = (film.clone(), self.bar);
