@@ -208,6 +208,8 @@ impl Line<'_> {
                 }
                 let blanks = if *from == " " { bare.to_owned() } else { bare.replace(' ', "") };
                 for value in [blanks.replace(from, to), blanks.replace(from, to).to_lowercase()] {
+                    let fewer = value.strip_suffix(to).filter(|fewer| typed.starts_with(*fewer) && with(fewer));
+                    let value = fewer.map_or_else(|| value.clone(), str::to_owned);
                     let is_new = value != typed && !value.contains(&to.repeat(2));
                     if is_new && with(&value) {
                         return Some((format!("{name} {typed}"), separator, format!("{name} {}", shown(&value))));
