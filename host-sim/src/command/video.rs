@@ -69,13 +69,16 @@ impl AnswersVideo {
     /// The state of a single target stands beside the frame number, those of several at their boxes.
     pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
         let (number, moment) = (frame.number, frame.moment);
-        let mut overlay = Overlay::new(&frame.color.unwrap_or_else(|| (&frame.gray).into()))?;
+        let frame = frame.color.unwrap_or_else(|| (&frame.gray).into());
         self.follow(targets);
-        if let Some((target, part)) = &mut self.part {
-            let report = targets.get(*target).and_then(|shown| shown.report);
-            let middle = part.next(report.and_then(|report| report.target).as_ref());
-            overlay = overlay.part(middle, part.side())?;
-        }
+        let mut overlay = match &mut self.part {
+            Some((target, part)) => {
+                let report = targets.get(*target).and_then(|shown| shown.report);
+                let middle = part.next(report.and_then(|report| report.target).as_ref());
+                Overlay::part(&frame, middle, part.side())?
+            }
+            None => Overlay::new(&frame)?,
+        };
         if let Some(truth) = self.truth.next().flatten().filter(|_| self.shows(Mark::Box)) {
             overlay.outline(&truth, TRUTH, false);
         }

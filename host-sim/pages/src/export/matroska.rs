@@ -28,10 +28,13 @@ pub(super) fn head((width, height): (u32, u32)) -> Vec<u8> {
 /// Returns a cluster with one RGB frame, shown at a time for a duration, in microseconds. Without a duration, MP4 would
 /// end before the second of two frames.
 pub(super) fn frame((time, duration): (u64, u64), rgb: &[u8]) -> Vec<u8> {
+    let (time, duration) = (number(&[0xE7], time), number(&[0x9B], duration));
     // Block header: track 1, time offset 0 from the cluster.
-    let block = [&[0x81, 0, 0, 0], rgb].concat();
-    let group = [element(&[0xA1], &block), number(&[0x9B], duration)].concat();
-    element(&[0x1F, 0x43, 0xB6, 0x75], &[number(&[0xE7], time), element(&[0xA0], &group)].concat())
+    let block = [begin(&[0xA1], 4 + rgb.len()), vec![0x81, 0, 0, 0]].concat();
+    let group = [begin(&[0xA0], block.len() + rgb.len() + duration.len()), block].concat();
+    let cluster = begin(&[0x1F, 0x43, 0xB6, 0x75], time.len() + group.len() + rgb.len() + duration.len());
+    // The pixels, which are many, are copied only once.
+    [&cluster, &time, &group, rgb, &duration].concat()
 }
 
 fn number(identifier: &[u8], value: u64) -> Vec<u8> {
@@ -39,9 +42,13 @@ fn number(identifier: &[u8], value: u64) -> Vec<u8> {
 }
 
 fn element(identifier: &[u8], data: &[u8]) -> Vec<u8> {
+    [&begin(identifier, data.len()), data].concat()
+}
+
+/// Returns the beginning of an element with `size` bytes of data.
+fn begin(identifier: &[u8], size: usize) -> Vec<u8> {
     // A size field of eight bytes is marked by a 1 in the lowest bit of its first byte.
-    let size = (data.len() as u64 | 1 << 56).to_be_bytes();
-    [identifier, &size, data].concat()
+    [identifier, &(size as u64 | 1 << 56).to_be_bytes()].concat()
 }
 
 #[cfg(test)]
@@ -52,8 +59,8 @@ mod tests {
     fn an_element_is_its_identifier_its_size_and_its_data() {
         assert_eq!(element(&[0x42, 0x82], b"abc"), *b"\x42\x82\x01\0\0\0\0\0\0\x03abc");
         assert_eq!(number(&[0xE7], 258), *b"\xE7\x01\0\0\0\0\0\0\x08\0\0\0\0\0\0\x01\x02");
-        assert!(
-            frame((7, 1), &[1, 2, 3]).ends_with(b"\x81\0\0\0\x01\x02\x03\x9B\x01\0\0\0\0\0\0\x08\0\0\0\0\0\0\0\x01")
-        );
+        let group = [element(&[0xA1], b"\x81\0\0\0\x01\x02\x03"), number(&[0x9B], 1)].concat();
+        let cluster = [number(&[0xE7], 7), element(&[0xA0], &group)].concat();
+        assert_eq!(frame((7, 1), &[1, 2, 3]), element(&[0x1F, 0x43, 0xB6, 0x75], &cluster));
     }
 }

@@ -6,6 +6,7 @@
 
 pub mod boxes;
 mod c_array;
+mod enlarged;
 mod ffmpeg;
 mod letters;
 mod matroska;

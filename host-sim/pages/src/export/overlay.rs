@@ -1,12 +1,13 @@
 //! Draws boxes and lines of text on a frame, or on an enlarged part of it.
 
+use super::enlarged::Part;
 use super::letters::Line;
 use crate::colors::{BLACK, Color};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use smr_recordings::{BoundingBox, ColorFrame};
 use tiny_skia::{
-    FillRule, FilterQuality, IntSize, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PixmapPaint, Point, Rect,
-    Shader, Stroke, StrokeDash, Transform,
+    FillRule, IntSize, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Point, Rect, Shader, Stroke, StrokeDash,
+    Transform,
 };
 
 /// A picture to draw on, which clips all drawings. All places are those of the frame.
@@ -24,10 +25,14 @@ const SHADOW: u8 = 140;
 impl Overlay {
     /// Errors: the frame has no pixels.
     pub fn new(ColorFrame { width, height, pixels }: &ColorFrame) -> Result<Self> {
-        let opaque = pixels.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect();
-        let size = IntSize::from_wh((*width).into(), (*height).into());
-        let pixels = size.and_then(|size| Pixmap::from_vec(opaque, size)).context("a frame has no pixels")?;
-        Ok(Self { pixels, view: Transform::identity() })
+        let opaque: Vec<_> = pixels.iter().map(|&[r, g, b]| [r, g, b, u8::MAX]).collect();
+        Self::of(opaque, ((*width).into(), (*height).into()), Transform::identity())
+    }
+
+    fn of(opaque: Vec<[u8; 4]>, (width, height): (u32, u32), view: Transform) -> Result<Self> {
+        let size = IntSize::from_wh(width, height);
+        let pixels = size.and_then(|size| Pixmap::from_vec(opaque.into_flattened(), size));
+        Ok(Self { pixels: pixels.context("a frame has no pixels")?, view })
     }
 
     pub fn size(&self) -> (u32, u32) {
@@ -35,27 +40,27 @@ impl Overlay {
     }
 
     pub fn rgb(&self) -> Vec<u8> {
-        self.pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect()
+        let (pixels, _) = self.pixels.data().as_chunks();
+        pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect::<Vec<_>>().into_flattened()
     }
 
     /// Returns a part of the frame: a square of `side` pixels around `centre`, moved and made smaller so that it lies in the
     /// frame, and enlarged by a whole number until its longer side has `ENLARGED` pixels. The sides are even, as videos
-    /// need, unless the frame has a single column or row.
-    pub fn part(&self, centre: (f64, f64), side: u32) -> Result<Self> {
-        let (width, height) = self.size();
+    /// need, unless the frame has a single column or row. Errors: the frame has no pixels.
+    pub fn part(frame: &ColorFrame, centre: (f64, f64), side: u32) -> Result<Self> {
+        ensure!(!frame.pixels.is_empty(), "a frame has no pixels");
+        let (width, height) = (frame.width.into(), frame.height.into());
         let [wide, high] = [width, height].map(|most| (side.min(most) & !1).max(1));
         let by = ENLARGED.div_ceil(wide.max(high));
-        // To whole pixels of the enlarged part.
         let first = |centre: f64, part: u32, most: u32| {
             let first = (centre - f64::from(part) / 2.0).clamp(0.0, f64::from(most - part));
-            single((first * f64::from(by)).round())
+            whole(first * f64::from(by))
         };
-        let (left, top, scale) = (first(centre.0, wide, width), first(centre.1, high, height), single(by.into()));
-        let view = Transform::from_row(scale, 0.0, 0.0, scale, -left, -top);
-        let mut pixels = Pixmap::new(wide * by, high * by).context("the frame is too large to be enlarged")?;
-        let paint = PixmapPaint { quality: FilterQuality::Bicubic, ..PixmapPaint::default() };
-        pixels.draw_pixmap(0, 0, self.pixels.as_ref(), &paint, view, None);
-        Ok(Self { pixels, view })
+        let (left, top) = (first(centre.0, wide, width), first(centre.1, high, height));
+        let part = Part { left, top, width: wide * by, height: high * by, by };
+        let [scale, x, y] = [by, left, top].map(|number| single(number.into()));
+        let view = Transform::from_row(scale, 0.0, 0.0, scale, -x, -y);
+        Self::of(part.rgba(frame), (part.width, part.height), view)
     }
 
     /// Returns the width of lines in pixels, larger in large pictures so that lines stay visible.
@@ -159,8 +164,13 @@ fn point((x, y): (f64, f64)) -> Point {
 }
 
 #[allow(clippy::cast_possible_truncation)] // what is too large becomes infinite
-const fn single(number: f64) -> f32 {
+pub(super) const fn single(number: f64) -> f32 {
     number as f32
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+fn whole(number: f64) -> u32 {
+    number.round() as u32
 }
 
 fn paint([r, g, b]: Color, opacity: u8) -> Paint<'static> {
@@ -219,7 +229,8 @@ mod tests {
         overlay.path(&[(3.0, 3.0), (2e9, 9.0)], RED);
         overlay.label_box(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 5.0 }, "a", RED).unwrap();
         assert!(is_plain(&overlay));
-        assert!(Overlay::new(&ColorFrame { width: 0, height: 16, pixels: vec![] }).is_err());
+        let empty = ColorFrame { width: 0, height: 16, pixels: vec![] };
+        assert!(Overlay::new(&empty).is_err() && Overlay::part(&empty, (0.0, 0.0), 9).is_err());
     }
 
     #[test]
@@ -233,21 +244,21 @@ mod tests {
     #[test]
     fn a_part_lies_in_the_frame_and_is_enlarged() {
         let pixels = (0..20 * 16).map(|at| if at % 20 < 10 { GREEN } else { RED }).collect();
-        let whole = Overlay::new(&ColorFrame { width: 20, height: 16, pixels }).unwrap();
+        let frame = ColorFrame { width: 20, height: 16, pixels };
         // A pixel has 80 pixels of the part; the colors meet at 10 in the frame.
         let meets = |part: &Overlay| (0..480).find(|&x| at(part, x, 240)[1] < 155).unwrap();
-        let mut part = whole.part((10.0, 8.0), 7).unwrap();
+        let mut part = Overlay::part(&frame, (10.0, 8.0), 7).unwrap();
         assert_eq!((part.size(), at(&part, 40, 240), at(&part, 440, 240), meets(&part)), ((480, 480), GREEN, RED, 240));
-        part = whole.part((10.25, 8.0), 7).unwrap();
+        part = Overlay::part(&frame, (10.25, 8.0), 7).unwrap();
         assert_eq!(meets(&part), 220, "(10 - 7.25) * 80");
         part.outline(&BoundingBox { x: 8.25, y: 6.0, width: 2.0, height: 3.0 }, WHITE, false);
         assert_eq!([(78, 100), (240, 80), (242, 100)].map(|(x, y)| at(&part, x, y) == WHITE), [true, false, true]);
         for centre in [(-50.0, -50.0), (1e300, f64::NAN), (10.0, 8.0)] {
-            let size = |side| whole.part(centre, side).unwrap().size();
+            let size = |side| Overlay::part(&frame, centre, side).unwrap().size();
             assert_eq!((size(99), size(0)), ((24 * 20, 24 * 16), (480, 480)));
         }
-        let large = plain(800, 600);
-        assert_eq!((large.part((400.0, 300.0), 501).unwrap().size()), (500, 500));
+        let large = ColorFrame { width: 800, height: 600, pixels: vec![GROUND; 800 * 600] };
+        assert_eq!((Overlay::part(&large, (400.0, 300.0), 501).unwrap().size()), (500, 500));
     }
 
     #[test]
