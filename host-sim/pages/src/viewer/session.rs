@@ -9,6 +9,7 @@ use smr_files::input::{self, Kind};
 use smr_files::messages;
 use smr_files::output::Output;
 use smr_recordings::{BUILT_IN, is_live, lone_video};
+use std::collections::HashSet;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -319,17 +320,29 @@ fn read(path: &Path, way_out: &str) -> Result<(Vec<u8>, Work)> {
         "it is a session of version {version}, and this host-sim reads {VERSION}: take a later host-sim, or {way_out}"
     );
     let work: Work = serde_json::from_slice(&bytes).map_err(wrong)?;
-    ensure!(
-        work.targets.iter().all(|target| !target.locks.is_empty()),
-        "it has a target without boxes: move it away, or {way_out}"
-    );
+    check(&work.targets).map_err(|what| anyhow!("{what}: move it away, or {way_out}"))?;
     Ok((bytes, work))
+}
+
+/// Errors: A target has no boxes, or one in frame 0, or two targets have one id or name.
+fn check(targets: &[Target]) -> Result<()> {
+    let (mut ids, mut names) = (HashSet::new(), HashSet::new());
+    for target in targets {
+        let (id, name) = (target.id, target.name());
+        ensure!(!target.locks.is_empty(), "it has a target without boxes");
+        let begins = target.locks.iter().all(|lock| lock.frame > 0);
+        ensure!(begins, "{name} has a box in frame 0: expected frames from 1 on");
+        ensure!(ids.insert(id), "two targets have the id {id}: expected one");
+        ensure!(names.insert(&target.name), "two targets are called {name}: expected one");
+    }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::viewer::model::Lock;
+    use crate::viewer::spans::Spans;
     use smr_core::Rect;
 
     fn names(folder: &Path) -> Vec<String> {
@@ -488,6 +501,29 @@ mod tests {
         fs::set_permissions(path("real.json"), permissions).unwrap();
         let said = session.keep(|work| work.frame = Some(5)).unwrap();
         assert!(said.ends_with("link-2.json") && read(&path("real.json"), "").unwrap().1.frame == Some(4), "{said}");
+    }
+
+    #[test]
+    fn targets_that_cannot_be_told_apart_and_frame_0_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.smr.json");
+        let target = |id, name: &str, frames: &[usize]| Target {
+            id,
+            name: name.to_owned(),
+            locks: frames.iter().map(|&frame| Lock::new(frame, Some(Rect::new(1, 2, 3, 4)))).collect(),
+            hidden: Spans::default(),
+            checked: Spans::default(),
+        };
+        for (targets, why) in [
+            (vec![target(1, "a", &[1]), target(2, "b", &[1]), target(3, "a", &[2])], "two targets are called a"),
+            (vec![target(1, "a", &[1]), target(1, "b", &[1])], "two targets have the id 1"),
+            (vec![target(1, "a", &[1]), target(2, "b", &[])], "it has a target without boxes"),
+            (vec![target(1, "a", &[3, 0])], "a has a box in frame 0: expected frames from 1 on"),
+        ] {
+            fs::write(&file, serde_json::to_vec(&Work { targets, ..Work::new("a") }).unwrap()).unwrap();
+            let error = messages::of(&Work::read(&file, "give --init").unwrap_err());
+            assert!(error.contains(why) && error.ends_with(": move it away, or give --init"), "{error}");
+        }
     }
 
     #[test]
