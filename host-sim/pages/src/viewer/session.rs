@@ -312,6 +312,9 @@ fn read(path: &Path, way_out: &str) -> Result<(Vec<u8>, Work)> {
             "line {line}, column {column}: it is damaged, or no session of host-sim view: expected one as `view` writes it: move it away, or {way_out}"
         )
     };
+    // A pipe or a device may never end, and cannot be replaced by a later session.
+    let is_stream = fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir());
+    ensure!(!is_stream, "it is a pipe or a device: expected {}", KIND.expected);
     let bytes = input::bytes(path, &KIND)?;
     let value: Value = serde_json::from_slice(&bytes).map_err(wrong)?;
     let version = &value["smr_session"];
@@ -482,6 +485,19 @@ mod tests {
             (b"mine".to_vec(), former)
         );
         assert_eq!(read(&file, "").unwrap().1.recording, "a");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("a.smr.json");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let error = messages::of(&Work::read(&pipe, "").unwrap_err());
+        assert!(
+            error.ends_with("a.smr.json: it is a pipe or a device: expected a session of host-sim view"),
+            "{error}"
+        );
     }
 
     #[cfg(unix)]
