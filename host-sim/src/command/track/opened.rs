@@ -32,7 +32,7 @@ impl Opened {
             None => track.given_variant()?,
         };
         let (sequence, targets) = track.recording.open_with_targets(path, true, kept)?;
-        let cropped = track.cropped(&targets)?;
+        let cropped = track.cropped(&targets).with_context(|| sequence.name.clone())?;
         let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
         let drawn = |target: &Follower| kept?.drawn(target.name.as_deref()).cloned();
         let drawn = targets.iter().map(drawn).collect();
