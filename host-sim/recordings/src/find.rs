@@ -124,6 +124,13 @@ mod tests {
     }
 
     #[test]
+    fn built_in_recordings_are_found_by_their_names() {
+        let names = ["synthetic", "synthetic:1", "synthetic:2"].map(PathBuf::from);
+        assert_eq!(recordings(&names).unwrap(), names);
+        assert!(recordings(&["synthetic:a".into()]).is_err());
+    }
+
+    #[test]
     fn a_path_without_a_recording_is_named() {
         let folder = folder("");
         let error = of_path(folder.path()).unwrap_err().to_string();

@@ -2,7 +2,7 @@
 
 use crate::annotations::boxes;
 use crate::bounding_box::BoundingBox;
-use crate::built_in::{BUILT_IN, built_in};
+use crate::built_in::{BUILT_IN, built_in, synthetic};
 use crate::ffmpeg::{self, Live, is_live};
 use crate::folder::{INNER, check_file, files_in, folder_name, images_in, is_recording, only_recording};
 use crate::formats::images::{self, ImageFile};
@@ -113,7 +113,9 @@ const STANDARD_INPUT: &str = "-";
 /// True if `path` may be a recording that [`open`] reads: a built-in name, `-`, a live source, any file, or a folder
 /// that holds recording files, judged by their names. False for a folder with a subfolder for each recording.
 pub(crate) fn is_sequence(path: &Path) -> bool {
-    if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
+    let is_seeded = || path.to_str().and_then(synthetic::seeded).is_some();
+    let is_named = BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name));
+    if is_named || path.is_file() || is_live(path) || is_seeded() {
         return true;
     }
     let holds =
