@@ -93,7 +93,7 @@ fn begun(mut target: Given, first: usize) -> Result<Given> {
 
 /// The options of a method, as the page sends them.
 #[derive(Parser)]
-#[command(no_binary_name = true, name = "host-sim track")]
+#[command(no_binary_name = true, name = "host-sim track", disable_help_flag = true)]
 struct Line {
     #[arg(long, value_enum)]
     method: MethodKind,
@@ -102,7 +102,7 @@ struct Line {
 }
 
 pub fn variant_of(method: &str, options: &Map<String, Value>) -> Result<Variant> {
-    let words = [vec!["--method".into(), method.into()], typed(options)].concat();
+    let words = [vec![format!("--method={method}").into()], typed(options)].concat();
     let Line { method, tracker } = Line::try_parse_from(&words)
         .map_err(|error| anyhow::anyhow!(usage::explained(&error, &Line::command(), &words)))?;
     tracker.variant(method)
@@ -120,6 +120,18 @@ pub fn typed(options: &Map<String, Value>) -> Vec<OsString> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_method_or_option_that_is_none_is_named() {
+        let error =
+            |method: &str, options: Value| variant_of(method, options.as_object().unwrap()).unwrap_err().to_string();
+        let no_help = error("robust", serde_json::json!({ "help": "" }));
+        assert!(no_help.starts_with("host-sim track has no option --help: "), "{no_help}");
+        for method in ["--help", "roubst"] {
+            let said = error(method, serde_json::json!({}));
+            assert!(said.starts_with(&format!("--method {method}: expected one of paper, robust")), "{said}");
+        }
+    }
 
     #[test]
     fn boxes_before_the_frames_that_are_read_are_dropped_if_none_of_them_counts() {

@@ -87,7 +87,8 @@ enum There {
 impl Session {
     /// Opens the session of `recording`, and reads the session file at `path` if there is one.
     pub fn open(path: Option<PathBuf>, recording: &str) -> Result<(Self, Option<Work>)> {
-        let read = path.as_deref().map(|path| there(path, "name another by --session")).transpose()?;
+        let read =
+            path.as_deref().map(|path| there(path, "name another by host-sim view SEQ --session FILE")).transpose()?;
         let (bytes, work) = read.flatten().unzip();
         let former = work.clone().unwrap_or_else(|| Work::new(recording));
         let is_set_aside = former.recording != recording;
