@@ -11,6 +11,7 @@ use smr_files::messages::choice_name;
 use smr_files::output::{Output, complain};
 use smr_pages::export::boxes::Format;
 use smr_recordings::name_of;
+use std::collections::HashMap;
 use std::fs;
 use std::io::{IsTerminal, stdout};
 use std::path::{Path, PathBuf};
@@ -110,9 +111,10 @@ fn is_folder(path: &Path) -> bool {
 
 fn named(found: &[PathBuf]) -> Vec<Planned<'_>> {
     let plain: Vec<_> = found.iter().map(|path| name_of(path)).collect();
-    let is_namesake = |name: &String| plain.iter().filter(|other| *other == name).count() > 1;
-    let one = |((path, name), plain)| {
-        let is_namesake = is_namesake(plain);
+    let mut counts: HashMap<&str, usize> = HashMap::new();
+    plain.iter().for_each(|name| *counts.entry(name).or_default() += 1);
+    let one = |((path, name), plain): (_, &String)| {
+        let is_namesake = counts[&**plain] > 1;
         Planned { path, name, kept: Ok(None), is_namesake, boxes: None, film: None }
     };
     found.iter().map(PathBuf::as_path).zip(apart(plain.clone())).zip(&plain).map(one).collect()
