@@ -176,15 +176,19 @@ fn track(value: &Value, of: &Labelled<'_>, names: &mut HashMap<String, usize>) -
     Ok(Track { name: Some(name), entries, is_line: true })
 }
 
+/// Greatest ratio of the rates at which Label Studio and the recording count frames, either way.
+const MOST: f64 = 20.0;
+
 impl Value {
     /// Returns a frame as the recording counts it: at the same time, if Label Studio has counted another number of frames.
     fn in_recording(&self, frame: FrameNumber, frames: Option<usize>) -> usize {
         let frame = frame.get();
         #[allow(clippy::cast_precision_loss)] // exact: numbers of frames are below 2^31
         let both = self.frames.zip(frames).map(|(counted, frames)| (counted, frames as f64));
-        let Some((counted, frames)) =
-            both.filter(|(counted, frames)| *counted >= 1.0 && (counted - frames).abs() > 1.0)
-        else {
+        // A count that no rate explains is no count.
+        let is_rate = |(counted, frames): &(f64, f64)| (1.0 / MOST..=MOST).contains(&(counted / frames));
+        let differs = |(counted, frames): &(f64, f64)| (counted - frames).abs() > 1.0;
+        let Some((counted, frames)) = both.filter(|both| is_rate(both) && differs(both)) else {
             return frame;
         };
         #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates

@@ -316,6 +316,11 @@ mod tests {
             let read = parse(export(&["other.mp4"]).as_bytes(), &Labelled { frames, ..RECORDING }).unwrap();
             assert_eq!(read[0].starts[0].0, frame, "{frames:?}");
         }
+        for nonsense in ["1e300", "0", "-240", "2"] {
+            let export = export(&["other.mp4"]).replace("240", nonsense);
+            let read = parse(export.as_bytes(), &Labelled { frames: Some(300), ..RECORDING }).unwrap();
+            assert_eq!(read[0].starts[0].0, 13, "{nonsense}");
+        }
     }
 
     #[test]
