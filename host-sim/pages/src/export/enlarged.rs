@@ -51,8 +51,13 @@ impl Between {
         let middle = (2 * at + 1).saturating_sub(by);
         let first = (middle / (2 * by)) as usize;
         let part = f64::from(middle % (2 * by)) / f64::from(2 * by);
-        Self { first, second: (first + 1).min(usize::from(most) - 1), part: super::overlay::single(part) }
+        Self { first, second: (first + 1).min(usize::from(most) - 1), part: single(part) }
     }
+}
+
+#[allow(clippy::cast_possible_truncation)] // what is too large becomes infinite
+pub(super) const fn single(number: f64) -> f32 {
+    number as f32
 }
 
 fn mixed(from: f32, to: f32, part: f32) -> f32 {

@@ -1,6 +1,6 @@
 //! Draws boxes and lines of text on a frame, or on an enlarged part of it.
 
-use super::enlarged::Part;
+use super::enlarged::{Part, single};
 use super::letters::Line;
 use crate::colors::{BLACK, Color};
 use anyhow::{Context, Result, ensure};
@@ -161,11 +161,6 @@ const FAR: f32 = 100_000.0;
 
 fn point((x, y): (f64, f64)) -> Point {
     Point { x: single(x), y: single(y) }
-}
-
-#[allow(clippy::cast_possible_truncation)] // what is too large becomes infinite
-pub(super) const fn single(number: f64) -> f32 {
-    number as f32
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
