@@ -211,8 +211,8 @@ function drawChosen(chosen) {
     const { method, length } = app.recording;
     byId("whose").style.setProperty("--of", colorOf(chosen.id));
     const charts = byId("curve").value === "movement"
-      ? movementOf(byId("curves"), chosen.id, { ...range, boxAt: trailOf(chosen), timeOf, length })
-      : chartsOf(byId("curves"), chosen.id, method, answers.around(chosen.id, range.first, range.last));
+      ? movementOf(byId("curves"), `target${chosen.id}`, { ...range, boxAt: trailOf(chosen), timeOf, length })
+      : chartsOf(byId("curves"), `target${chosen.id}`, method, answers.around(chosen.id, range.first, range.last));
     graph.draw({ charts, ...range, now: shown, named, timeOf });
   }
 }

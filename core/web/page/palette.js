@@ -15,12 +15,13 @@ export const palette = (scheme = "") => kept(scheme, () => Object.fromEntries(NA
 export const colorOf = (id) => kept(id, () => read(`target${((id - 1) % TARGETS) + 1}`).color);
 
 /**
- * Returns the colors of a line on a frame and on the page, and its dashes (pixels): those of a target for its id, or else
- * those of the CSS class `look-NAME`.
+ * Returns the colors of a line on a frame and on the page, and its dashes (pixels): those of a target for `target` and its
+ * id, or else those of the CSS class `look-NAME`.
  */
 export const lookOf = (name) => kept(`look-${name}`, (look) => {
-  if (typeof name === "number") {
-    return { onFrame: colorOf(name), onPage: colorOf(name), dash: [] };
+  const [, id] = /^target(\d+)$/.exec(name) ?? [];
+  if (id !== undefined) {
+    return { onFrame: colorOf(id), onPage: colorOf(id), dash: [] };
   }
   const { color: onPage, dashes } = read("line", "", look);
   return { onFrame: read("line", "dark", look).color, onPage, dash: dashes === "none" ? [] : dashes.split(" ").map(Number) };
