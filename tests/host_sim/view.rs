@@ -228,7 +228,11 @@ fn several_recordings_have_a_page_each_and_offer_their_names() {
     assert!(page.contains("<b aria-current=\"page\">a &lt;1&gt;</b>"), "{page}");
     assert!(page.contains("<a href=\"../2/\">b</a>") && page.contains("<datalist id=\"names\"></datalist>"));
     assert_eq!(
-        (viewer.get("1/page/list.js").0, viewer.get("2/frames/3.jpg").0, viewer.json("2/source")["name"].clone()),
+        (
+            viewer.get("1/page/list.js").0,
+            viewer.get("2/news?since=0&wait=0").0,
+            viewer.json("2/source")["name"].clone()
+        ),
         (200, 200, json!("b"))
     );
     assert_eq!(viewer.post("2/targets", &target(&[(2, [37, 24, 24, 28])])).0, 200);
