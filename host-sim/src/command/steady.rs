@@ -4,8 +4,8 @@ use smr_recordings::BoundingBox;
 
 /// Side of the part, in longer sides of the first box.
 const AROUND: f64 = 3.0;
-/// Most by which the target may be off the middle, in longer sides of the first box. On ten real recordings it halved the
-/// picture's trembling where the target moves slowly, and added none that can be seen elsewhere.
+/// Most by which the target may be off the middle, in longer sides of the first box: the tracker's jitter is less, and a
+/// target that moves slowly does not carry it into the picture.
 const SLACK: f64 = 0.02;
 /// Frames in which the part moves to a target that was lost and is found elsewhere.
 const GLIDE: u32 = 10;
